@@ -1,0 +1,38 @@
+"""Where should this two-finger gripper close on this flat unknown object, and why there.
+
+>>> from flatgrasp_cli import load_gripper, plan, read_clouds
+>>> for cloud in read_clouds("cloud.pcd"):
+...     result = plan(cloud, load_gripper("lacquey"))
+...     print(result.best)
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from flatgrasp_cli.planning import Plan, plan
+    from flatgrasp_cli.profiles import load_gripper, load_robot, load_settings
+    from flatgrasp_cli.results.document import to_document
+    from flatgrasp_cli.sources import read_clouds
+
+__version__ = "0.1.0"
+__all__ = ["Plan", "load_gripper", "load_robot", "load_settings", "plan", "read_clouds", "to_document"]
+
+_HOMES = {
+    "Plan": "flatgrasp_cli.planning",
+    "plan": "flatgrasp_cli.planning",
+    "load_gripper": "flatgrasp_cli.profiles",
+    "load_robot": "flatgrasp_cli.profiles",
+    "load_settings": "flatgrasp_cli.profiles",
+    "read_clouds": "flatgrasp_cli.sources",
+    "to_document": "flatgrasp_cli.results.document",
+}
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name when it is first asked for: `flatgrasp --help` needs none of numpy, pydantic and Open3D."""
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(importlib.import_module(_HOMES[name]), name)

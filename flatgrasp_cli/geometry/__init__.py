@@ -1,0 +1,1 @@
+"""Plane and solid geometry on numpy arrays; knows nothing of grasping."""

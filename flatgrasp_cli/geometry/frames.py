@@ -1,0 +1,45 @@
+"""Rigid frames and rotations."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Frame:
+    """A right-handed frame: `origin` (3,) in metres and `axes` (3, 3), whose rows are its unit x, y and z axes."""
+
+    origin: FloatArray
+    axes: FloatArray
+
+    def to_local(self, points: FloatArray) -> FloatArray:
+        """World points (n, 3) in this frame."""
+        local: FloatArray = (points - self.origin) @ self.axes.T
+        return local
+
+    def to_world(self, points: FloatArray) -> FloatArray:
+        """Points (n, 3) of this frame, or (n, 2) in its x-y plane, in the world."""
+        world: FloatArray = self.origin + points @ self.axes[: points.shape[-1]]
+        return world
+
+
+def quaternion_from_axes(axes: FloatArray) -> FloatArray:
+    """Unit quaternion [x, y, z, w], w ≥ 0, of the frame whose rows `axes` (3, 3) are its x, y, z axes in the world.
+
+    Shepperd's method (Journal of Guidance and Control 1(3), 1978): divide by the largest of the four components.
+    """
+    r = axes.T
+    diagonal = np.array([r[0, 0], r[1, 1], r[2, 2], np.trace(r)])
+    i = int(np.argmax(diagonal))
+    if i == 3:
+        q = np.array([r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1], 1.0 + diagonal[3]])
+    else:
+        j, k = (i + 1) % 3, (i + 2) % 3
+        q = np.empty(4)
+        q[[i, j, k, 3]] = 1.0 + 2 * r[i, i] - diagonal[3], r[j, i] + r[i, j], r[k, i] + r[i, k], r[k, j] - r[j, k]
+    q /= np.linalg.norm(q)
+    return -q if q[3] < 0 else q

@@ -1,0 +1,217 @@
+"""The records that flow from a recording to a result. All are frozen; arrays in them are not written to.
+
+Lengths are metres, angles in names ending `_deg` degrees. "Plane" coordinates (…, 2) are those of a silhouette's frame.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+from typing import TypeVar
+
+from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.frames import Frame
+
+T = TypeVar("T", "FingerCandidates", "GraspCandidates")
+
+
+def _select(table: T, keep: BoolArray | IntArray) -> T:
+    """The rows of a table of equally long arrays that a mask or an index array names."""
+    return type(table)(*(getattr(table, column.name)[keep] for column in fields(table)))
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Where a cloud was recorded: file, topic, time, and its place among the frames read."""
+
+    path: str
+    topic: str | None = None
+    stamp_ns: int | None = None
+    index: int = 0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cloud:
+    """One recorded frame: finite `points` (n, 3) in `frame_id`, seen from `viewpoint` (3,)."""
+
+    points: FloatArray
+    viewpoint: FloatArray
+    source: Source
+    frame_id: str = ""
+    dropped: int = 0
+    """Points of the recording that were NaN or infinite."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ObjectCloud:
+    """The points (n, 3) of one object, seen from `viewpoint` (3,)."""
+
+    id: int
+    points: FloatArray
+    viewpoint: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OrientedBox:
+    """The oriented bounding box: `frame` at its centre (x major, y middle, z minor axis, to the sensor), `size` (3,).
+
+    The x-y plane of `frame` is the main plane. `aabb` (2, 3) are the corners of the axis-aligned box, for comparison.
+    """
+
+    frame: Frame
+    size: FloatArray
+    aabb: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Silhouette:
+    """The object's concave hull in the main plane.
+
+    `loops` hold vertices (n, 2) in serial order: the outer loop counter-clockwise, then the holes clockwise, so that
+    the object lies to the left of the walk. `points` (k, 2) are all projected points, `heights` (k,) their heights
+    above the main plane; `coverage` is the share of the concave hull's area that `loops` keep, the rest being fragments.
+    """
+
+    frame: Frame
+    loops: tuple[FloatArray, ...]
+    points: FloatArray
+    heights: FloatArray
+    alpha_m: float
+    coverage: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StepPoints:
+    """Step points of one loop: arc lengths `positions` (s,) and `points` (s, 2), `step_m` apart (the paper's r)."""
+
+    loop: int
+    positions: FloatArray
+    points: FloatArray
+    step_m: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FingerCandidates:
+    """m places for a finger: chords of length `width` (m,) of the boundary.
+
+    `start`, `end`, `contact` (their midpoint) and the inward unit `direction` are (m, 2); `arcs` (m, k, 2) sample the
+    boundary from start to end; `variance` (m,) measures how far the boundary strays from the chord; `arc_ratio` (m,) is
+    its length over the chord's; `jaw` (m,) is 0 or 1 for the jaw that the candidate is for, −1 for either.
+    """
+
+    loop: IntArray
+    start: FloatArray
+    end: FloatArray
+    contact: FloatArray
+    direction: FloatArray
+    width: FloatArray
+    jaw: IntArray
+    arcs: FloatArray
+    variance: FloatArray
+    arc_ratio: FloatArray
+
+    def __len__(self) -> int:
+        """Number of candidates."""
+        return len(self.jaw)
+
+    def select(self, keep: BoolArray | IntArray) -> FingerCandidates:
+        """The candidates that `keep`, a mask or an index array, names."""
+        return _select(self, keep)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GraspCandidates:
+    """p pairs of finger candidates with what is known of each; every field has p rows.
+
+    `i` and `j` index the finger candidates; the closing axis `axis` (p, 2) points from i's side to j's.
+    `required_friction` is the smallest coefficient at which the pair is force closed.
+    """
+
+    i: IntArray
+    j: IntArray
+    axis: FloatArray
+    distance: FloatArray
+    force_balance_deg: FloatArray
+    torque_arm_m: FloatArray
+    required_friction: FloatArray
+
+    def __len__(self) -> int:
+        """Number of pairs."""
+        return len(self.i)
+
+    def select(self, keep: BoolArray | IntArray) -> GraspCandidates:
+        """The pairs that `keep`, a mask or an index array, names."""
+        return _select(self, keep)
+
+
+@dataclass(frozen=True, slots=True)
+class Stage:
+    """One line of the funnel: how many candidates were left after a stage of the method."""
+
+    stage: str
+    kept: int
+
+
+@dataclass(frozen=True, slots=True)
+class Rejection:
+    """Why there is no grasp: the stage that removed the last candidate, and the nearest miss in numbers."""
+
+    stage: str
+    reason: str
+    value: float | None = None
+    limit: float | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Grasp:
+    """One grasp, best first by `rank` from 1.
+
+    `position` (3,) and `orientation` [x, y, z, w] are the fingertip frame's: origin midway between the fingertip ends,
+    z the approach, y the closing axis. `contacts` (2, 3) are on the −y and the +y side, `fingers` the candidates there.
+    """
+
+    rank: int
+    position: FloatArray
+    orientation: FloatArray
+    opening_m: float
+    width_m: float
+    contacts: FloatArray
+    fingers: tuple[int, int]
+    force_balance_deg: float
+    torque_arm_m: float
+    required_friction: float
+    variance_m: float
+    gravity_distance_m: float
+    inside_share: float
+    arc_ratio: float
+
+
+@dataclass(slots=True, eq=False)
+class Trace:
+    """What each step of the method saw, for figures and for study; filled while the method runs, None where it ended.
+
+    `force_balance_deg` (m, k) is γ of all candidates for jaw 0 with all for jaw 1. `survivors` maps a stage's name to the (k, 2) pairs of
+    candidates that it kept, in the method's order; `ranked` are the last of them, best first, and `gravity_distance_m`
+    theirs.
+    """
+
+    box: OrientedBox | None = None
+    silhouette: Silhouette | None = None
+    steps: tuple[StepPoints, ...] = ()
+    fingers: FingerCandidates | None = None
+    doubted_directions: int = 0
+    force_balance_deg: FloatArray | None = None
+    survivors: dict[str, IntArray] = field(default_factory=dict)
+    gravity_center: FloatArray | None = None
+    ranked: IntArray | None = None
+    gravity_distance_m: FloatArray | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ObjectPlan:
+    """The answer for one object: its grasps, or the rejection that says why there are none."""
+
+    object: ObjectCloud
+    funnel: tuple[Stage, ...]
+    grasps: tuple[Grasp, ...]
+    rejection: Rejection | None
+    trace: Trace

@@ -1,0 +1,132 @@
+"""§III.A.3: step points, finger candidates and their grasping directions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import fields, replace
+
+import numpy as np
+
+from flatgrasp_cli.geometry import polygon
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.model import FingerCandidates, Silhouette, StepPoints
+from flatgrasp_cli.profiles.gripper import Gripper
+from flatgrasp_cli.profiles.settings import FingerSettings
+
+STEPS_PER_PERIMETER = 300
+STEP_RANGE_M = (0.002, 0.005)
+ARC_SAMPLES = 17
+EITHER_JAW = -1
+
+
+def step_points(silhouette: Silhouette, settings: FingerSettings) -> tuple[StepPoints, ...]:
+    """§III.A.3.1: points a step r apart along each loop, by eq. (1) or by arc length."""
+    perimeter = polygon.arc_positions(silhouette.loops[0])[-1]
+    step_m = settings.step_m or float(np.clip(perimeter / STEPS_PER_PERIMETER, *STEP_RANGE_M))
+    return tuple(_steps_of_loop(index, loop, step_m, settings) for index, loop in enumerate(silhouette.loops))
+
+
+def _steps_of_loop(index: int, loop: FloatArray, step_m: float, settings: FingerSettings) -> StepPoints:
+    if settings.step == "chord":
+        positions = polygon.chord_walk(loop, step_m)
+    else:
+        perimeter = polygon.arc_positions(loop)[-1]
+        positions = np.arange(max(1, round(perimeter / step_m))) * (perimeter / max(1, round(perimeter / step_m)))
+    return StepPoints(index, positions, polygon.points_at(loop, positions), step_m)
+
+
+def finger_candidates(
+    silhouette: Silhouette, steps: Sequence[StepPoints], gripper: Gripper, settings: FingerSettings
+) -> FingerCandidates:
+    """§III.A.3.2: chords as long as a jaw is wide, one from each step point; with directions to the loop's left.
+
+    A hand whose two jaws differ (a thumb against a pair) gets candidates of its own for each jaw.
+    """
+    jaws = (EITHER_JAW,) if gripper.symmetric else (0, 1)
+    parts = [
+        _candidates_of_loop(silhouette.loops[step.loop], step, (jaw, gripper.jaw_width_m(max(jaw, 0))), settings)
+        for jaw in jaws
+        for step in steps
+    ]
+    columns = [column.name for column in fields(FingerCandidates)]
+    return FingerCandidates(*(np.concatenate([getattr(part, name) for part in parts]) for name in columns))
+
+
+def _candidates_of_loop(
+    loop: FloatArray, steps: StepPoints, jaw_and_width: tuple[int, float], settings: FingerSettings
+) -> FingerCandidates:
+    jaw, width = jaw_and_width
+    ends = polygon.circle_exits(loop, steps.positions, width)
+    perimeter = polygon.arc_positions(loop)[-1]
+    found = np.isfinite(ends) & ((ends < perimeter) | (settings.walk == "cyclic"))
+    begins, ends = steps.positions[found], ends[found]
+    arcs = polygon.points_at(loop, begins[:, None] + np.linspace(0.0, 1.0, ARC_SAMPLES) * (ends - begins)[:, None])
+    start, end = arcs[:, 0], arcs[:, -1]
+    normal = polygon.left_normal(end - start)
+    return FingerCandidates(
+        loop=np.full(len(begins), steps.loop),
+        start=start,
+        end=end,
+        contact=0.5 * (start + end),
+        direction=normal,
+        width=np.full(len(begins), width),
+        jaw=np.full(len(begins), jaw),
+        arcs=arcs,
+        variance=_variance(loop, (begins, ends), (start, normal), arcs, settings),
+        arc_ratio=(ends - begins) / width,
+    )
+
+
+def _variance(
+    loop: FloatArray,
+    span: tuple[FloatArray, FloatArray],
+    chord: tuple[FloatArray, FloatArray],
+    arcs: FloatArray,
+    settings: FingerSettings,
+) -> FloatArray:
+    """§III.B.4: how far the boundary of each candidate strays from its chord (start, normal), metres (m,)."""
+    start, normal = chord
+    if settings.variance == "sum":  # the paper's plain sum over the hull's points
+        row, vertex = polygon.vertices_between(loop, *span)
+        distance = np.abs(polygon.dot(loop[vertex] - start[row], normal[row]))
+        return np.bincount(row, weights=distance, minlength=len(start)).astype(np.float64)
+    distance = np.abs(polygon.dot(arcs - start[:, None], normal[:, None]))
+    if settings.variance == "max":
+        variance = distance.max(axis=1)
+    elif settings.variance == "rms":
+        variance = np.sqrt((distance**2).mean(axis=1))
+    else:
+        variance = distance.mean(axis=1)
+    return np.asarray(variance, dtype=np.float64)
+
+
+def inward_directions(
+    silhouette: Silhouette, fingers: FingerCandidates, settings: FingerSettings, seed: int
+) -> FingerCandidates:
+    """§III.A.3.3: candidates whose grasping direction points into the object.
+
+    `signed_area`: the loops' orientation already says where the object lies; each candidate is checked δ inside its
+    middle and dropped when the boundary there turns its back, as over the mouth of a slot. `random_rays`: the paper's
+    search decides for the first candidate, and cross products carry its side to all others, unchecked.
+    """
+    if settings.direction == "signed_area":
+        probe = fingers.contact + settings.delta_m * fingers.direction
+        return fingers.select(polygon.contains(silhouette.loops, probe))
+    if len(fingers) == 0 or _first_points_left(silhouette.loops[0], fingers, settings, seed):
+        return fingers
+    return replace(fingers, direction=-fingers.direction)
+
+
+def _first_points_left(loop: FloatArray, fingers: FingerCandidates, settings: FingerSettings, seed: int) -> bool:
+    """Whether the first candidate's inside lies to its left: the paper's Fig. 11 (a), stepping δ both ways at once."""
+    rng = np.random.default_rng(seed)
+    reach = 4 * float(np.ptp(loop, axis=0).max())
+    contact, left = fingers.contact[0], fingers.direction[0]
+    for k in range(1, int(reach / settings.delta_m) + 1):
+        angles = rng.uniform(0, 2 * np.pi, settings.rays)
+        far = contact + reach * np.column_stack([np.cos(angles), np.sin(angles)])
+        ahead = polygon.ray_parity_inside(loop, contact + k * settings.delta_m * left, far)
+        behind = polygon.ray_parity_inside(loop, contact - k * settings.delta_m * left, far)
+        if ahead != behind:
+            return ahead
+    return True  # a boundary that is the same on both sides has no inside

@@ -1,0 +1,45 @@
+"""The funnel: how many candidates each stage keeps, and the nearest miss of the stage that kept none."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
+from flatgrasp_cli.model import GraspCandidates, Rejection, Stage
+
+
+class NothingLeft(Exception):  # noqa: N818 (an ending, not an error)
+    """Raised by the stage that removed the last candidate; carries the reason."""
+
+    def __init__(self, rejection: Rejection) -> None:
+        super().__init__(rejection.reason)
+        self.rejection = rejection
+
+
+class Funnel:
+    """Counts candidates stage by stage; a stage that keeps none ends the method with `NothingLeft`."""
+
+    def __init__(self) -> None:
+        self.stages: list[Stage] = []
+        self.survivors: dict[str, IntArray] = {}
+
+    def count(self, stage: str, kept: int, reason: str) -> None:
+        """Note that a stage kept `kept` candidates; `reason` explains none."""
+        self.stages.append(Stage(stage, kept))
+        if kept == 0:
+            raise NothingLeft(Rejection(stage, reason))
+
+    def at_most(
+        self, stage: str, pairs: GraspCandidates, values: FloatArray, limit: float, miss: Callable[[float], str]
+    ) -> IntArray:
+        """Indices of the pairs whose `values` (p,) are at most `limit`; `miss` words the nearest value beyond it."""
+        kept = np.flatnonzero(values <= limit)
+        self.stages.append(Stage(stage, len(kept)))
+        self.survivors[stage] = np.column_stack([pairs.i[kept], pairs.j[kept]])
+        if len(kept) == 0:
+            nearest = float(values.min())
+            finite = nearest if np.isfinite(nearest) else None
+            raise NothingLeft(Rejection(stage, miss(nearest), finite, float(limit)))
+        return kept

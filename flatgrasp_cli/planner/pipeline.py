@@ -1,0 +1,143 @@
+"""§III of the paper, paragraph by paragraph: one object's points → its grasps."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.frames import Frame, quaternion_from_axes
+from flatgrasp_cli.geometry.polygon import contains, left_normal, share_inside
+from flatgrasp_cli.model import (
+    FingerCandidates,
+    Grasp,
+    GraspCandidates,
+    ObjectCloud,
+    ObjectPlan,
+    OrientedBox,
+    Rejection,
+    Silhouette,
+    Trace,
+)
+from flatgrasp_cli.planner.balance import force_balance, force_balanced, torque_balanced
+from flatgrasp_cli.planner.fingers import finger_candidates, inward_directions, step_points
+from flatgrasp_cli.planner.funnel import Funnel, NothingLeft
+from flatgrasp_cli.planner.gravity import best_first, gravity_center, gravity_distance
+from flatgrasp_cli.planner.hand import Fit, centers, closing_axes, flat, in_range, openings, operable
+from flatgrasp_cli.planner.main_plane import is_line, oriented_box
+from flatgrasp_cli.planner.silhouette import silhouette
+from flatgrasp_cli.profiles.gripper import Gripper
+from flatgrasp_cli.profiles.settings import PlannerSettings
+
+
+def plan_object(cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings, top: int = 10) -> ObjectPlan:
+    """Plan the best `top` grasps of one object, with `settings` as `PlannerSettings.resolve` returns them."""
+    funnel, trace = Funnel(), Trace()
+    grasps: tuple[Grasp, ...] = ()
+    rejection: Rejection | None = None
+    try:
+        grasps = _section_three(cloud, gripper, settings, (funnel, trace), top)
+    except NothingLeft as end:
+        rejection = end.rejection
+    trace.survivors = funnel.survivors
+    return ObjectPlan(cloud, tuple(funnel.stages), grasps, rejection, trace)
+
+
+def _section_three(
+    cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings, notes: tuple[Funnel, Trace], top: int
+) -> tuple[Grasp, ...]:
+    """The method in the paper's order; what it finds on the way goes into the funnel and the trace."""
+    funnel, trace = notes
+    if is_line(cloud.points):
+        funnel.count("points", 0, _no_plane(cloud.points))
+
+    # A.1 the oriented bounding box and its main plane; A.2 the silhouette
+    box = trace.box = oriented_box(cloud.points, cloud.viewpoint, settings.main_plane.method)
+    outline = trace.silhouette = silhouette(cloud.points, box, settings.silhouette)
+    funnel.count("silhouette", len(outline.loops), "the points are too scattered for an outline")
+
+    # A.3 step points, finger candidates, grasping directions
+    steps = trace.steps = step_points(outline, settings.fingers)
+    funnel.count("step_points", sum(len(step.points) for step in steps), "the outline has no step point")
+    chords = finger_candidates(outline, steps, gripper, settings.fingers)
+    funnel.count("finger_candidates", len(chords), _no_finger_place(box, gripper))
+    fingers = trace.fingers = inward_directions(outline, chords, settings.fingers, settings.seed)
+    probe = fingers.contact + settings.fingers.delta_m * fingers.direction
+    trace.doubted_directions = len(chords) - int(contains(outline.loops, probe).sum())
+    funnel.count("grasping_direction", len(fingers), "no finger candidate has the object before it")
+
+    # B.1 force balance of all pairs; B.2 torque balance
+    gamma_deg = trace.force_balance_deg = force_balance(fingers)
+    pairs = force_balanced(fingers, gamma_deg, settings.balance, funnel)
+    pairs = torque_balanced(pairs, settings.balance, funnel)
+
+    # B.3 grasping range; B.4 variance; B.5 operability
+    pairs = closing_axes(fingers, pairs, settings.hand.closing_axis)
+    pairs = in_range(fingers, pairs, gripper, settings.hand, funnel)
+    pairs = flat(fingers, pairs, settings.hand, funnel)
+    pairs, fit = operable(outline, fingers, pairs, (gripper, settings.hand), funnel)
+
+    # C gravity, and the final grasp
+    trace.gravity_center = gravity_center(outline, settings.gravity.center)
+    distance = gravity_distance(fingers, pairs, trace.gravity_center)
+    order = best_first(pairs, distance, settings.gravity.tie_m)
+    trace.ranked, trace.gravity_distance_m = np.column_stack([pairs.i, pairs.j])[order], distance[order]
+    best = order[:top]
+    opening = openings(fit.select(best), gripper, settings.hand)
+    hands = (pairs.select(best), fit.select(best), opening, distance[best])
+    return _grasps(outline, fingers, hands)
+
+
+def _grasps(
+    outline: Silhouette, fingers: FingerCandidates, hands: tuple[GraspCandidates, Fit, FloatArray, FloatArray]
+) -> tuple[Grasp, ...]:
+    """Grasp records of the best pairs, their fingertip frames at the box's mid-height, facing away from the sensor."""
+    pairs, fit, opening, gravity_m = hands
+    frame = outline.frame
+    contacts = np.stack([fingers.contact[pairs.i], fingers.contact[pairs.j]], axis=1)
+    share = share_inside(outline.loops, contacts[:, 0], contacts[:, 1])
+    positions = frame.to_world(centers(fingers, pairs, fit))
+    orientations = _hand_orientations(pairs.axis, frame)
+    return tuple(
+        Grasp(
+            rank=k + 1,
+            position=positions[k],
+            orientation=orientations[k],
+            opening_m=float(opening[k]),
+            width_m=float(fit.width[k]),
+            contacts=frame.to_world(contacts[k]),
+            fingers=(int(pairs.i[k]), int(pairs.j[k])),
+            force_balance_deg=float(pairs.force_balance_deg[k]),
+            torque_arm_m=float(pairs.torque_arm_m[k]),
+            required_friction=float(pairs.required_friction[k]),
+            variance_m=float(fingers.variance[pairs.i[k]] + fingers.variance[pairs.j[k]]),
+            gravity_distance_m=float(gravity_m[k]),
+            inside_share=float(share[k]),
+            arc_ratio=float(max(fingers.arc_ratio[pairs.i[k]], fingers.arc_ratio[pairs.j[k]])),
+        )
+        for k in range(len(pairs))
+    )
+
+
+def _hand_orientations(axes: FloatArray, frame: Frame) -> list[FloatArray]:
+    """Quaternions of hands that close along `axes` (p, 2) of the main plane and approach against its normal.
+
+    Hand y is the closing axis and hand z = −normal, so hand x = y × z = normal × y: y turned left in the plane.
+    """
+    x, y = left_normal(axes) @ frame.axes[:2], axes @ frame.axes[:2]
+    return [quaternion_from_axes(np.stack([x[k], y[k], -frame.axes[2]])) for k in range(len(axes))]
+
+
+def _no_plane(points: FloatArray) -> str:
+    if len(points) == 0:
+        return "the cloud has no finite point"
+    distinct = len(np.unique(points, axis=0))
+    if distinct < 3:
+        return f"the cloud has {distinct} distinct point{'s' if distinct > 1 else ''}, an outline needs three"
+    return f"all {len(points)} points lie on a line"
+
+
+def _no_finger_place(box: OrientedBox, gripper: Gripper) -> str:
+    return (
+        f"the outline is {box.size[0]:.3f} m × {box.size[1]:.3f} m, "
+        f"too small for a finger of {gripper.finger_width_m:.3f} m"
+    )

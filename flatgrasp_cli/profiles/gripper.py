@@ -1,0 +1,55 @@
+"""Two-finger grippers."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from flatgrasp_cli.profiles.base import Length, PositiveLength, Profile
+
+Offsets = Annotated[tuple[float, ...], Field(min_length=1)]
+
+
+class Gripper(Profile):
+    """A two-finger gripper: the paper's w_f, w_h and w_o, and what a real hand adds to them."""
+
+    profile: Literal["gripper"] = "gripper"
+    name: Annotated[str, Field(min_length=1)]
+    kind: Literal["parallel", "arc", "underactuated"]
+    """How the fingers move: straight, on a linkage's arc, or with joints that adapt to the object."""
+    min_opening_m: Length = 0.0
+    max_opening_m: PositiveLength
+    """w_o: between the pads, fully open."""
+    finger_width_m: PositiveLength
+    """w_f: a finger's size along its pad, across the closing axis."""
+    finger_thickness_m: PositiveLength
+    """A fingertip's size along the closing axis: the room that it needs behind its pad."""
+    finger_length_m: PositiveLength
+    """From the palm to the fingertips' ends, fully open."""
+    tip_advance_m: Length = 0.0
+    """How far the fingertips move away from the palm from fully open to closed (arc linkages)."""
+    hand_width_m: PositiveLength
+    """w_h: the palm's size across the closing axis."""
+    palm_m: PositiveLength
+    """The palm's size along the closing axis."""
+    jaws: tuple[Offsets, Offsets] = ((0.0,), (0.0,))
+    """The fingers of the jaw on the −y and of the jaw on the +y side: their places along x, metres."""
+    pad_friction: Annotated[float, Field(gt=0, le=5)] = 0.5
+    """Coulomb coefficient of the pads on a common object."""
+    max_force_n: Annotated[float, Field(gt=0)] | None = None
+
+    @model_validator(mode="after")
+    def _opens(self) -> Self:
+        if self.min_opening_m >= self.max_opening_m:
+            raise ValueError(f"min_opening_m {self.min_opening_m} must be below max_opening_m {self.max_opening_m}")
+        return self
+
+    def jaw_width_m(self, jaw: int) -> float:
+        """Width of a jaw from the outer edge of its first finger to that of its last."""
+        return self.finger_width_m + max(self.jaws[jaw]) - min(self.jaws[jaw])
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether the hand turned by 180° about its approach is the same hand."""
+        return sorted(self.jaws[0]) == sorted(-x for x in self.jaws[1])

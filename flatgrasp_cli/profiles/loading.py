@@ -1,0 +1,187 @@
+"""Profiles by name or by path, with errors that name the file, the key, the value and what is allowed."""
+
+from __future__ import annotations
+
+import difflib
+import types
+import typing
+from pathlib import Path
+from typing import Any, TypeVar
+
+import yaml
+from pydantic import BaseModel, ValidationError
+
+from flatgrasp_cli.errors import ProfileError
+from flatgrasp_cli.profiles.base import Profile
+from flatgrasp_cli.profiles.gripper import Gripper
+from flatgrasp_cli.profiles.robot import Robot
+from flatgrasp_cli.profiles.settings import PlannerSettings
+
+FOLDERS: dict[str, str] = {"gripper": "grippers", "robot": "robots", "planner": "planner"}
+MODELS: dict[str, type[Profile]] = {"gripper": Gripper, "robot": Robot, "planner": PlannerSettings}
+MAX_BYTES = 1_000_000
+P = TypeVar("P", bound=Profile)
+
+
+def configs_dir() -> Path:
+    """Folder of the shipped profiles: beside the modules once installed, beside the package in a checkout."""
+    package = Path(__file__).resolve().parent.parent
+    installed = package / "configs"
+    return installed if installed.is_dir() else package.parent / "configs"
+
+
+def list_profiles(kind: str) -> list[str]:
+    """Names of the shipped profiles of a kind: gripper, robot or planner."""
+    return sorted(path.stem for path in (configs_dir() / FOLDERS[kind]).glob("*.yaml"))
+
+
+def profile_path(kind: str, name_or_path: str) -> Path:
+    """The file of a shipped profile's name, or of a path (anything that ends in .yaml or .yml, or has a slash)."""
+    if name_or_path.endswith((".yaml", ".yml")) or "/" in name_or_path:
+        return Path(name_or_path)
+    known = list_profiles(kind)
+    if name_or_path not in known:
+        raise ProfileError(
+            f"no {kind} profile named {name_or_path!r}{_suggest(name_or_path, known)}\n"
+            f"known: {', '.join(known)}; or give the path of your own .yaml file"
+        )
+    return configs_dir() / FOLDERS[kind] / f"{name_or_path}.yaml"
+
+
+def load_gripper(name_or_path: str) -> Gripper:
+    """Load a gripper profile by name ("lacquey") or by path ("my_gripper.yaml").
+
+    Raises
+    ------
+    ProfileError
+        If there is no such profile, or it is malformed or out of range.
+    """
+    return _load(Gripper, "gripper", name_or_path)
+
+
+def load_robot(name_or_path: str) -> Robot:
+    """Load a robot profile by name ("ur5") or by path; raises `ProfileError` as `load_gripper` does."""
+    return _load(Robot, "robot", name_or_path)
+
+
+def load_settings(name_or_path: str = "default", overrides: tuple[str, ...] = ()) -> PlannerSettings:
+    """Load planner settings by name or by path, then apply `overrides` such as "fingers.step_m=0.004"."""
+    path = profile_path("planner", name_or_path)
+    data = _read_yaml(path)
+    for override in overrides:
+        _apply(data, override)
+    return _validate(PlannerSettings, data, path, "; ".join(f"--set {text}" for text in overrides))
+
+
+def load_profile(path: Path) -> Profile:
+    """Load a profile of any kind; its own `profile:` key says which."""
+    data = _read_yaml(path)
+    kind = data.get("profile")
+    if kind not in MODELS:
+        raise ProfileError(f"{path}: profile: {kind!r} is not a kind of profile; use one of {', '.join(MODELS)}")
+    return _validate(MODELS[kind], data, path)
+
+
+def _load(model: type[P], kind: str, name_or_path: str) -> P:
+    path = profile_path(kind, name_or_path)
+    return _validate(model, _read_yaml(path), path)
+
+
+def _read_yaml(path: Path) -> dict[str, Any]:
+    try:
+        if path.is_file() and path.stat().st_size > MAX_BYTES:
+            raise ProfileError(f"{path}: {path.stat().st_size} bytes are too many for a profile")
+        data = yaml.load(path.read_text(encoding="utf-8"), Loader=_UniqueKeys)  # noqa: S506 (a SafeLoader)
+    except OSError as error:
+        raise ProfileError(f"{path}: cannot read the profile: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise ProfileError(f"{path}: not a text file in UTF-8 (byte {error.start})") from error
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        place = f":{mark.line + 1}:{mark.column + 1}" if mark else ""
+        raise ProfileError(f"{path}{place}: not valid YAML: {getattr(error, 'problem', error)}") from error
+    if not isinstance(data, dict):
+        raise ProfileError(f"{path}: a profile is a list of `key: value` lines, this is {type(data).__name__}")
+    return data
+
+
+class _UniqueKeys(yaml.SafeLoader):
+    """Safe YAML in which a key given twice is an error: plain YAML keeps the last one without a word."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        seen = set()
+        for key_node, _ in node.value:
+            if key_node.value in seen:
+                raise yaml.constructor.ConstructorError(
+                    None, None, f"key {key_node.value!r} is given twice", key_node.start_mark
+                )
+            seen.add(key_node.value)
+        return super().construct_mapping(node, deep)
+
+
+def _apply(data: dict[str, Any], override: str) -> None:
+    """Put one "section.key=value" into `data`; the model judges key and value afterwards."""
+    dotted, equals, text = override.partition("=")
+    if not equals or not dotted:
+        raise ProfileError(f"--set {override}: give it as section.key=value, e.g. --set fingers.step_m=0.004")
+    *sections, key = dotted.strip().split(".")
+    for section in sections:
+        data = data.setdefault(section, {})
+        if not isinstance(data, dict):
+            raise ProfileError(f"--set {override}: {section} is a value, not a section")
+    try:
+        data[key] = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise ProfileError(f"--set {override}: {text!r} is not a YAML value") from error
+
+
+def _validate(model: type[P], data: dict[str, Any], path: Path, overrides: str = "") -> P:
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        problems = error.errors(include_url=False)
+        place = f"{path} with {overrides}" if overrides else str(path)
+        more = (
+            f"\n(and {len(problems) - 1} more; `flatgrasp profiles check FILE` lists all)" if len(problems) > 1 else ""
+        )
+        raise ProfileError(f"{place}: {_explain(model, problems[0])}{more}") from error
+
+
+def problems_in(path: Path) -> list[str]:
+    """Every fault of a profile, a line each; empty when it is sound. Raises `ProfileError` when it is no profile."""
+    data = _read_yaml(path)
+    kind = data.get("profile")
+    if kind not in MODELS:
+        return [f"profile: {kind!r} is not a kind of profile; use one of {', '.join(MODELS)}"]
+    try:
+        MODELS[kind].model_validate(data)
+    except ValidationError as error:
+        return [_explain(MODELS[kind], problem) for problem in error.errors(include_url=False)]
+    return []
+
+
+def _explain(model: type[BaseModel], problem: Any) -> str:
+    """One fault in words: the dotted key, the value, what is allowed."""
+    where = [part for part in problem["loc"] if isinstance(part, str)]
+    key, value = ".".join(str(part) for part in problem["loc"]), problem["input"]
+    if problem["type"] == "extra_forbidden":
+        allowed = [name for name in _fields_at(model, where[:-1]) if name != "profile"]
+        return f"{key}: unknown key{_suggest(where[-1], allowed)} (allowed: {', '.join(allowed)})"
+    if problem["type"] == "missing":
+        return f"{key}: missing"
+    text = problem["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
+    return f"{key}: {value!r}: {text}" if key else text
+
+
+def _fields_at(model: type[BaseModel], path: list[str]) -> list[str]:
+    """Keys that the model has at a nested place."""
+    for part in path:
+        annotation = model.model_fields[part].annotation
+        options = typing.get_args(annotation) if isinstance(annotation, types.UnionType) else (annotation,)
+        model = next(option for option in options if isinstance(option, type) and issubclass(option, BaseModel))
+    return list(model.model_fields)
+
+
+def _suggest(word: str, known: list[str]) -> str:
+    near = difflib.get_close_matches(word, known, n=1)
+    return f"; did you mean {near[0]!r}?" if near else ""

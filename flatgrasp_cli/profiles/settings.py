@@ -1,0 +1,130 @@
+"""Settings of the planner, section by section of the paper. `null` (None) means: derive it, as the comment says."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from flatgrasp_cli.profiles.base import Length, PositiveLength, Profile
+from flatgrasp_cli.profiles.gripper import Gripper
+
+Angle = Annotated[float, Field(gt=0, le=180)]
+Share = Annotated[float, Field(gt=0, lt=1)]
+
+
+class MainPlaneSettings(Profile):
+    """§III.A.1: the oriented bounding box."""
+
+    method: Literal["pca", "min_area"]
+    """In-plane axes: covariance eigenvectors (the paper's PCL) or the smallest rectangle around the projection."""
+
+
+class SilhouetteSettings(Profile):
+    """§III.A.2: the concave hull."""
+
+    alpha_m: PositiveLength | None
+    """Radius α of the hull's empty discs; None: from the points' spacing."""
+    min_coverage: Annotated[float, Field(gt=0, le=1)]
+    """α grows until the largest piece holds this share of the hull's area."""
+    tolerance_m: Length
+    """How far the outline may be simplified (Douglas–Peucker)."""
+    min_hole_m: Length
+    """Holes whose area is less than this diameter's disc are taken for missing pixels and filled."""
+    inner_loops: bool
+    """Whether fingers may stand on the edges of holes."""
+
+
+class FingerSettings(Profile):
+    """§III.A.3: step points, finger candidates, grasping directions."""
+
+    step: Literal["chord", "arc_length"]
+    """Step points lie `step_m` apart in a straight line (eq. 1), or along the boundary."""
+    step_m: PositiveLength | None
+    """The paper's r; None: a 300th of the perimeter, 2 to 5 mm."""
+    walk: Literal["cyclic", "open"]
+    """Whether the boundary goes on past its last point (the paper's Ω does not)."""
+    direction: Literal["signed_area", "random_rays"]
+    """Inward side by the loop's orientation, checked for each candidate; or by the paper's rays and cross products."""
+    delta_m: PositiveLength
+    """The paper's δ, step of the search for a point inside."""
+    rays: Annotated[int, Field(ge=1, le=10_000)]
+    variance: Literal["mean", "rms", "max", "sum"]
+    """§III.B.4: distances of the boundary to the chord: mean, root mean square, maximum, or the paper's plain sum."""
+
+
+class BalanceSettings(Profile):
+    """§III.B.1 and B.2: force and torque balance."""
+
+    friction: Annotated[float, Field(gt=0, le=5)] | None
+    """μ that sets the thresholds; None: the gripper's pad_friction."""
+    facing: bool
+    """Drop pairs that would push apart, which the paper forgets."""
+    force_share: Share
+    """k: γ may use this share of the friction cone, 2·k·atan(μ)."""
+    force_balance_max_deg: Angle | None
+    """Largest γ; None: 2·k·atan(μ)."""
+    torque: Literal["friction", "arm", "normalised"]
+    """Threshold on required friction (μ), on the torque arm T_s (m), or on T/d."""
+    torque_max: Annotated[float, Field(gt=0)] | None
+    """Limit in the unit of `torque`; None: μ, or for the other two what the friction cone leaves."""
+
+
+class HandSettings(Profile):
+    """§III.B.3 to B.5: grasping range, variance, operability."""
+
+    closing_axis: Literal["bisector", "contacts"]
+    """The hand closes along the two directions' bisector (pads lie flush) or along the line of contacts."""
+    width: Literal["extent", "midpoints"]
+    """The object's width: its extent under the pads, or the distance of the contacts."""
+    clearance_m: Length
+    """Least free space between each pad and the object before closing."""
+    preshape_m: Length
+    """Free space aimed at between each pad and the object, where there is room."""
+    variance_max: Annotated[float, Field(gt=0)] | None
+    """Largest variance, in metres; None: variance_max_share of the candidate's width."""
+    variance_max_share: Share
+    operability: Literal["swept", "eq2"]
+    """Exact swept rectangles of fingers and palm, or the paper's eq. (2) on the hull's points."""
+    contact_tolerance_m: Length
+    """Boundary this far beyond the contact still counts as the contact."""
+
+
+class GravitySettings(Profile):
+    """§III.C: gravity and the final choice."""
+
+    center: Literal["area", "points"]
+    """Centre of the outline's area, or the mean of the points."""
+    tie_m: Length
+    """Gravity distances are equal within steps of this; then the lower required friction wins. 0: no ties."""
+
+
+class PlannerSettings(Profile):
+    """Everything that the planner can be told."""
+
+    profile: Literal["planner"] = "planner"
+    name: str
+    seed: Annotated[int, Field(ge=0)]
+    main_plane: MainPlaneSettings
+    silhouette: SilhouetteSettings
+    fingers: FingerSettings
+    balance: BalanceSettings
+    hand: HandSettings
+    gravity: GravitySettings
+
+    def resolve(self, gripper: Gripper) -> PlannerSettings:
+        """The same with every None that the gripper decides replaced; those that the object decides stay None."""
+        balance = self.balance
+        friction = balance.friction if balance.friction is not None else gripper.pad_friction
+        cone = math.atan(friction)
+        gamma = balance.force_balance_max_deg or math.degrees(2 * balance.force_share * cone)
+        torque_max = balance.torque_max
+        if torque_max is None:
+            # facts of the friction cone: T/d < sin(φ − γ/2)·cos(γ/2) keeps a pair with the largest γ force closed
+            rest = max(cone - math.radians(gamma) / 2, 0.0)
+            normalised = math.sin(rest) * math.cos(math.radians(gamma) / 2)
+            arm = normalised * gripper.max_opening_m
+            torque_max = {"friction": friction, "normalised": normalised, "arm": arm}[balance.torque]
+        resolved = {"friction": friction, "force_balance_max_deg": min(gamma, 180.0), "torque_max": torque_max}
+        return self.model_copy(update={"balance": balance.model_copy(update=resolved)})
