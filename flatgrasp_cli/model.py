@@ -68,7 +68,7 @@ class Silhouette:
 
     `loops` hold vertices (n, 2) in serial order: the outer loop counter-clockwise, then the holes clockwise, so that
     the object lies to the left of the walk. `points` (k, 2) are all projected points, `heights` (k,) their heights
-    above the main plane; `coverage` is the share of the concave hull's area that `loops` keep, the rest being fragments.
+    above the main plane; `coverage` is the share of the concave hull's area in `loops`, the rest being fragments.
     """
 
     frame: Frame
@@ -183,15 +183,16 @@ class Grasp:
     gravity_distance_m: float
     inside_share: float
     arc_ratio: float
+    cost_m: float
 
 
 @dataclass(slots=True, eq=False)
 class Trace:
     """What each step of the method saw, for figures and for study; filled while the method runs, None where it ended.
 
-    `force_balance_deg` (m, k) is γ of all candidates for jaw 0 with all for jaw 1. `survivors` maps a stage's name to the (k, 2) pairs of
-    candidates that it kept, in the method's order; `ranked` are the last of them, best first, and `gravity_distance_m`
-    theirs.
+    `force_balance_deg` (m, k) is γ of all candidates for jaw 0 with all for jaw 1. `survivors` maps a stage's name to
+    the (k, 2) pairs of candidates that it kept, in the method's order; `ranked` are the last of them, best first, and
+    `gravity_distance_m` theirs.
     """
 
     box: OrientedBox | None = None

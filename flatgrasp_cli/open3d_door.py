@@ -23,4 +23,5 @@ def load_open3d() -> ModuleType:
     import open3d
 
     open3d.utility.set_verbosity_level(open3d.utility.VerbosityLevel.Error)
-    return open3d  # type: ignore[no-any-return]
+    module: ModuleType = open3d
+    return module

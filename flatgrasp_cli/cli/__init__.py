@@ -1,1 +1,73 @@
-"""x"""
+"""The command line: one file a command, no logic of its own. Only this package prints.
+
+Exit codes: 0 a grasp in every frame, 1 some frame has none, 2 wrong usage or profile, 3 an input cannot be read,
+130 interrupted; 0 when the reader of a pipe leaves.
+"""
+
+from __future__ import annotations
+
+import importlib
+import logging
+import os
+import sys
+from typing import NoReturn
+
+import click
+
+from flatgrasp_cli import __version__
+from flatgrasp_cli.errors import FlatgraspError
+
+COMMANDS = {
+    "plan": "Plan grasps on point clouds.",
+    "profiles": "List, show and check gripper, robot and planner profiles.",
+    "schema": "Print the JSON Schema of the documents that plan writes.",
+}
+INTERRUPTED = 130
+
+
+class _LazyGroup(click.Group):
+    """Imports a command's module only when it is run, so that --help answers at once."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 (click's signature)
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
+        if cmd_name not in COMMANDS:
+            return None
+        command: click.Command = importlib.import_module(f"flatgrasp_cli.cli.{cmd_name}").command
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
+
+@click.group(cls=_LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="flatgrasp")
+def cli() -> None:
+    """Find where a two-finger gripper should close on a flat unknown object, and why there.
+
+    Plans grasps on recorded point clouds by the method of Lei & Wisse 2016.
+    """
+
+
+def main() -> NoReturn:
+    """Run the command line as a process: errors become one or two lines on stderr and an exit code."""
+    logging.basicConfig(format="flatgrasp: %(levelname)s: %(message)s", level=logging.WARNING, stream=sys.stderr)
+    logging.addLevelName(logging.WARNING, "warning")
+    try:
+        code = cli.main(standalone_mode=False, prog_name="flatgrasp")
+        sys.stdout.flush()
+    except FlatgraspError as error:
+        click.echo(f"flatgrasp: {error}", err=True)
+        code = error.exit_code
+    except click.ClickException as error:
+        error.show()
+        code = error.exit_code
+    except (click.Abort, KeyboardInterrupt):
+        click.echo("flatgrasp: interrupted", err=True)
+        code = INTERRUPTED
+    except BrokenPipeError:  # the reader of the pipe left: nothing is wrong
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        code = 0
+    sys.exit(code if isinstance(code, int) else 0)

@@ -1,4 +1,8 @@
-"""α-shapes: the concave hull of a planar point set (Edelsbrunner, Kirkpatrick & Seidel, IEEE T-IT 29(4), 1983)."""
+"""α-shapes: the concave hull of a planar point set (Edelsbrunner, Kirkpatrick & Seidel, IEEE T-IT 29(4), 1983).
+
+A Delaunay triangulation of all points would spend its time on the interior, which shapes nothing. So points are sorted
+into square cells first, and only those in cells at the border are triangulated.
+"""
 
 from __future__ import annotations
 
@@ -6,82 +10,116 @@ from typing import Any
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
+from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+
+MAX_CELLS = 4_000_000
+CELLS_PER_ALPHA = np.sqrt(2)
+"""A disc of radius α, wherever it lies, holds a whole cell of side α/√2: the one around its centre."""
+
+
+class CellGrid:
+    """Points (n, 2) sorted into square cells of side α/√2, with one empty cell around them all.
+
+    Raises
+    ------
+    ValueError
+        If α is so small against the points' extent that the cells would not fit into memory.
+    """
+
+    def __init__(self, points: FloatArray, alpha_m: float) -> None:
+        self.points = points
+        columns = np.ascontiguousarray(points.T)  # (2, n): reductions run fast over a long last axis
+        self._origin = columns.min(axis=1)
+        self._per_metre = CELLS_PER_ALPHA / alpha_m
+        width, height = (np.floor(np.ptp(columns, axis=1) * self._per_metre) + 3).tolist()
+        if width * height > MAX_CELLS:
+            raise ValueError(f"{width:.0f} × {height:.0f} cells")
+        self.alpha_m, self.shape = alpha_m, (int(width), int(height))
+        self.cell = self._cells_of(columns)
+        counts = np.bincount(self.cell, minlength=self.shape[0] * self.shape[1])
+        self.occupied: BoolArray = counts.reshape(self.shape) > 0
+
+    def _cells_of(self, columns: FloatArray) -> IntArray:
+        x, y = ((columns - self._origin[:, None]) * self._per_metre + 1).astype(np.intp)
+        return np.asarray(x * self.shape[1] + y)
+
+    def cells_of(self, points: FloatArray) -> IntArray:
+        """Flat index (m,) of the cells in which `points` (m, 2), within the extent, lie."""
+        return self._cells_of(points.T)
+
+    @property
+    def cell_area(self) -> float:
+        """Area of a cell."""
+        return float(self._per_metre) ** -2
+
+    def centers(self, cells: BoolArray) -> FloatArray:
+        """Centres (k, 2) of the cells that a mask of the grid's shape names."""
+        return np.asarray(self._origin + (np.argwhere(cells) - 0.5) / self._per_metre)
+
+    def interior(self) -> BoolArray:
+        """Occupied cells all of whose eight neighbours are occupied."""
+        inner = self.occupied.copy()
+        for axis in (0, 1):
+            inner &= np.roll(inner, 1, axis) & np.roll(inner, -1, axis)  # the empty rim keeps the roll harmless
+        return inner
+
+    def largest_piece(self) -> tuple[BoolArray, float]:
+        """The connected cells with the most points, as a mask over the points (n,), and their share of the points."""
+        from scipy.ndimage import label
+
+        labels, _ = label(self.occupied, structure=np.ones((3, 3)))
+        piece = labels.ravel()[self.cell]
+        counts = np.bincount(piece)
+        member = piece == np.argmax(counts)
+        return member, float(counts.max() / len(piece))
+
+
+def alpha_region(grid: CellGrid, member: BoolArray) -> Any:
+    """The α-shape of the grid's points that `member` (n,) names, as a shapely polygon with holes; None without area.
+
+    Triangles of the border's points belong to the shape when their circumradius is at most α, or when they lie over the
+    interior. Border points are those with an empty cell among the eight around theirs; a point deeper in that touched
+    an empty disc of radius α after all would lie within the width of a cell's corner of the outline. A hole of the
+    triangles is one of the object only if it holds an empty cell; so does every disc of radius α.
+    """
+    import shapely
+    from scipy.spatial import Delaunay, QhullError
+
+    interior = grid.interior().ravel()
+    border = grid.points[member & ~interior[grid.cell]]
+    try:
+        mesh = Delaunay(border)
+    except (QhullError, ValueError):
+        return None
+    triangles = border[mesh.simplices]
+    kept = (circumradii(triangles) <= grid.alpha_m) | interior[grid.cells_of(triangles.mean(axis=1))]
+    edges = border[_boundary_edges(mesh, kept)]
+    area = shapely.build_area(shapely.multilinestrings(shapely.linestrings(edges)))
+    pieces = shapely.get_parts(area)
+    if len(pieces) == 0:
+        return None
+    shells = shapely.polygons(shapely.get_exterior_ring(pieces))
+    largest = int(np.argmax(shapely.area(shells)))
+    holes = shapely.polygons(list(pieces[largest].interiors))
+    holes = holes[shapely.area(holes) >= grid.cell_area] if len(holes) else holes
+    empty = grid.centers(~grid.occupied)
+    real = [hole.exterior for hole in holes if shapely.contains_xy(hole, empty).any()]
+    return shapely.Polygon(pieces[largest].exterior, real)
 
 
 def circumradii(triangles: FloatArray) -> FloatArray:
     """Circumradius (n,) of `triangles` (n, 3, 2): product of the sides over four times the area; inf when flat."""
-    side = np.linalg.norm(triangles - np.roll(triangles, -1, axis=1), axis=2)
-    u, v = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
-    double_area = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        radius = side.prod(axis=1) / (2 * double_area)
-    return np.where(double_area > 0, radius, np.inf)
+    a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
+    sides = [np.hypot(*(p - q).T) for p, q in ((a, b), (b, c), (c, a))]
+    (ux, uy), (vx, vy) = (b - a).T, (c - a).T
+    double_area = np.abs(ux * vy - uy * vx)
+    flat = double_area == 0
+    return np.where(flat, np.inf, sides[0] * sides[1] * sides[2] / np.where(flat, 1.0, 2 * double_area))
 
 
-class AlphaShape:
-    """One Delaunay triangulation of `points` (n, 2) from which shapes at any α are cut.
-
-    Raises
-    ------
-    scipy.spatial.QhullError
-        If the points lie on a line or are fewer than three.
-    """
-
-    def __init__(self, points: FloatArray) -> None:
-        from scipy.spatial import Delaunay
-
-        self._points = points
-        self._mesh = Delaunay(points)
-        self._radius = circumradii(points[self._mesh.simplices])
-
-    def regions(self, alpha_m: float) -> list[Any]:
-        """Shapely polygons, largest first, of the triangles whose circumradius is at most `alpha_m`."""
-        import shapely
-
-        ring_edges = self._points[self._boundary(self._radius <= alpha_m)]
-        area = shapely.build_area(shapely.multilinestrings(shapely.linestrings(ring_edges)))
-        return sorted(shapely.get_parts(area).tolist(), key=lambda polygon: -polygon.area)
-
-    def _boundary(self, kept: BoolArray) -> Any:
-        """Vertex pairs (k, 2) of the edges between a kept triangle and none or an unkept one."""
-        neighbours = self._mesh.neighbors
-        open_side = kept[:, None] & ((neighbours < 0) | ~kept[neighbours])
-        triangle, corner = np.nonzero(open_side)  # side k of a simplex lies opposite its corner k
-        simplices = self._mesh.simplices
-        return np.column_stack([simplices[triangle, (corner + 1) % 3], simplices[triangle, (corner + 2) % 3]])
-
-
-MAX_GRID_CELLS = 4_000_000
-
-
-def thin_interior(points: FloatArray, alpha_m: float) -> FloatArray:
-    """The points (n, 2) that can shape an α-shape's boundary, and one for each grid cell of its interior.
-
-    On a grid of side α/√2 every disc of radius α through, or around, a point p holds the whole of some cell at most two
-    cells away from p's (the one around the centre of the disc of radius √2·side that touches p from within). Where all
-    those cells hold points, p touches no empty disc, hence no boundary; dropping all such p but one a cell leaves
-    every disc as full or as empty as it was. So the boundary for this and any larger α stays the same, point by point,
-    while the triangulation shrinks several times. Points too far apart for a grid are returned as they are.
-    """
-    cells = np.floor((points - points.min(axis=0)) * (np.sqrt(2) / alpha_m))
-    columns, rows = (cells.max(axis=0) + 1).tolist()
-    if columns * rows > MAX_GRID_CELLS:
-        return points
-    cell = (cells[:, 0] * rows + cells[:, 1]).astype(np.intp)
-    occupied = np.bincount(cell, minlength=int(columns * rows)).reshape(int(columns), int(rows)) > 0
-    interior = _all_within_two(_all_within_two(occupied).T).T.ravel()
-    keep = ~interior[cell]
-    representative = np.empty(interior.size, dtype=np.intp)
-    representative[cell[::-1]] = np.arange(len(cell))[::-1]  # the last write wins: the first point of each cell
-    keep[representative[interior]] = True
-    return points[keep]
-
-
-def _all_within_two(cells: BoolArray) -> BoolArray:
-    """Where a cell (n, m) and the two before and after it along the first axis are all true; false at the border."""
-    result = np.zeros_like(cells)
-    n = len(cells)
-    if n >= 5:
-        result[2:-2] = np.logical_and.reduce([cells[k : n - 4 + k] for k in range(5)])
-    return result
+def _boundary_edges(mesh: Any, kept: BoolArray) -> Any:
+    """Vertex pairs (k, 2) of the edges between a kept triangle and none or one that is not kept."""
+    neighbours = mesh.neighbors
+    triangle, corner = np.nonzero(kept[:, None] & ((neighbours < 0) | ~kept[neighbours]))
+    simplices = mesh.simplices  # side k of a simplex lies opposite its corner k
+    return np.column_stack([simplices[triangle, (corner + 1) % 3], simplices[triangle, (corner + 2) % 3]])

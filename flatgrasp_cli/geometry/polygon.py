@@ -14,6 +14,8 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 
+END_SHARE = 1e-4
+
 
 def cross(a: FloatArray, b: FloatArray) -> FloatArray:
     """Cross product's z component of plane vectors (..., 2)."""
@@ -28,7 +30,7 @@ def dot(a: FloatArray, b: FloatArray) -> FloatArray:
 def left_normal(directions: FloatArray) -> FloatArray:
     """Unit normals (n, 2) to the left of `directions` (n, 2)."""
     turned = np.column_stack([-directions[:, 1], directions[:, 0]])
-    return turned / np.linalg.norm(turned, axis=1, keepdims=True)
+    return np.asarray(turned / np.linalg.norm(turned, axis=1, keepdims=True))
 
 
 def signed_area(loop: FloatArray) -> float:
@@ -38,7 +40,16 @@ def signed_area(loop: FloatArray) -> float:
 
 def edges(loops: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:
     """Start and end points (n, 2) of all edges of all loops."""
-    return np.concatenate(loops), np.concatenate([np.roll(loop, -1, axis=0) for loop in loops])
+    start = np.concatenate(loops)
+    return start, start[next_vertices(loops)]
+
+
+def next_vertices(loops: Sequence[FloatArray]) -> IntArray:
+    """Index (n,) of the vertex after each, when all loops are put one behind the other."""
+    following = np.arange(1, sum(len(loop) for loop in loops) + 1)
+    ends = np.cumsum([len(loop) for loop in loops])
+    following[ends - 1] = ends - [len(loop) for loop in loops]
+    return following
 
 
 def arc_positions(loop: FloatArray) -> FloatArray:
@@ -72,30 +83,38 @@ def contains(loops: Sequence[FloatArray], points: FloatArray) -> BoolArray:
     (Haines, "Point in Polygon Strategies", Graphics Gems IV, 1994).
     """
     start, end = edges(loops)
-    straddles = (start[:, 1] > points[:, 1:]) != (end[:, 1] > points[:, 1:])
-    rise = end[:, 1] - start[:, 1]
-    slope = (end[:, 0] - start[:, 0]) / np.where(rise == 0, 1.0, rise)
-    crossing_x = start[:, 0] + slope * (points[:, 1:] - start[:, 1])
-    inside: BoolArray = (straddles & (points[:, :1] < crossing_x)).sum(axis=1) % 2 == 1
-    return inside
+    (ax, ay), (bx, by), (x, y) = _columns(start), _columns(end), points.T  # (n, 1) against (m,)
+    rise = by - ay
+    slope = (bx - ax) / np.where(rise == 0, 1.0, rise)
+    straddles = (ay > y) != (by > y)
+    return np.asarray((straddles & (x < ax + slope * (y - ay))).sum(axis=0) % 2 == 1)
 
 
 def share_inside(loops: Sequence[FloatArray], starts: FloatArray, ends: FloatArray) -> FloatArray:
     """Share (m,) of each segment `starts`→`ends` (m, 2) that lies in the region, 0 to 1.
 
     Summing the segment's parameter over its crossings, + where it leaves the region and − where it enters, measures the
-    length inside; a segment that ends inside adds 1. One pass over edges, no sorting.
+    length inside; a segment that ends inside adds 1. One pass over edges, no sorting. Segments are shortened by a
+    ten-thousandth at each end, for contacts lie on the boundary itself.
     """
+    along = (1 - 2 * END_SHARE) * (ends - starts)
+    starts = starts + END_SHARE * (ends - starts)
     a, b = edges(loops)
-    along = (ends - starts)[:, None]
-    edge = (b - a)[None]
-    before, after = cross(along, a[None] - starts[:, None]), cross(along, b[None] - starts[:, None])
-    determinant = cross(along, edge)
-    t = cross(a[None] - starts[:, None], edge) / np.where(determinant == 0, 1.0, determinant)
-    crosses = ((before > 0) != (after > 0)) & (t > 0) & (t < 1)
-    leaving = np.where(determinant > 0, 1.0, -1.0)  # the region lies left of the edge
-    inside = (np.where(crosses, leaving * t, 0.0)).sum(axis=1) + contains(loops, ends)
+    (ax, ay), (ex, ey) = _columns(a), _columns(b - a)  # (n, 1) against (m,)
+    (sx, sy), (lx, ly) = starts.T, along.T
+    fx, fy = ax - sx, ay - sy
+    side = lx * fy - ly * fx  # of each edge's start, and below of its end, against the segment's line
+    determinant = lx * ey - ly * ex
+    t = (fx * ey - fy * ex) / np.where(determinant == 0, 1.0, determinant)
+    crosses = ((side > 0) != (side + determinant > 0)) & (t > 0) & (t < 1)
+    signed = np.where(determinant > 0, t, -t)  # the region lies left of the edge: + leaves it
+    inside = np.where(crosses, signed, 0.0).sum(axis=0) + contains(loops, starts + along)
     return np.asarray(np.clip(inside, 0.0, 1.0))
+
+
+def _columns(points: FloatArray) -> FloatArray:
+    """X and y of `points` (n, 2) as columns, (2, n, 1), to be held against rows."""
+    return np.ascontiguousarray(points.T)[:, :, None]
 
 
 def circle_exits(loop: FloatArray, positions: FloatArray, radius: float) -> FloatArray:
@@ -145,33 +164,26 @@ class _Walk:
         return math.nan
 
 
-def clip_to_strips(start: FloatArray, end: FloatArray, low: float, high: float) -> tuple[FloatArray, FloatArray]:
-    """Lowest and highest y of each edge's part inside the strip low ≤ x ≤ high; inf and −inf where it has none.
+def clip_to_strips(
+    start: tuple[FloatArray, FloatArray], end: tuple[FloatArray, FloatArray], low: float, high: float
+) -> tuple[FloatArray, FloatArray]:
+    """Lowest and highest y (…) of each edge's part inside the strip low ≤ x ≤ high; inf and −inf where it has none.
 
-    Parameters
-    ----------
-    start, end
-        Edge end points in the strips' frames, (..., 2).
-    low, high
-        The strip's bounds.
+    `start` and `end` are the x (…) and the y (…) of the edges' ends in the strips' frames.
     """
-    x0, x1, y0, y1 = start[..., 0], end[..., 0], start[..., 1], end[..., 1]
+    (x0, y0), (x1, y1) = start, end
     run = x1 - x0
-    inverse = 1.0 / np.where(run == 0, 1.0, run)
-    t_low, t_high = (low - x0) * inverse, (high - x0) * inverse
-    enter = np.clip(np.minimum(t_low, t_high), 0.0, 1.0)
-    leave = np.clip(np.maximum(t_low, t_high), 0.0, 1.0)
-    upright = run == 0
-    enter, leave = np.where(upright, 0.0, enter), np.where(upright, 1.0, leave)
+    slope = (y1 - y0) / np.where(run == 0, 1.0, run)
+    y_enter = np.where(run == 0, y0, y0 + slope * (np.clip(x0, low, high) - x0))
+    y_leave = np.where(run == 0, y1, y0 + slope * (np.clip(x1, low, high) - x0))
     meets = (np.minimum(x0, x1) < high) & (np.maximum(x0, x1) > low)
-    y_enter, y_leave = y0 + enter * (y1 - y0), y0 + leave * (y1 - y0)
     lowest = np.where(meets, np.minimum(y_enter, y_leave), np.inf)
     highest = np.where(meets, np.maximum(y_enter, y_leave), -np.inf)
     return lowest, highest
 
 
 def ray_parity_inside(loop: FloatArray, point: FloatArray, far_points: FloatArray) -> bool:
-    """Whether most segments from `point` (2,) to `far_points` (m, 2), all outside, cross the loop an odd count of times.
+    """Whether most segments from `point` (2,) to `far_points` (m, 2) outside cross the loop an odd number of times.
 
     The paper's §III.A.3.3 asks all rays to be odd; one that grazes a vertex then flips the answer, so the majority
     decides.

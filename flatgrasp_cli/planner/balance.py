@@ -35,7 +35,7 @@ def force_balance(fingers: FingerCandidates) -> FloatArray:
 
 
 def distinct(fingers: FingerCandidates, rows: IntArray, columns: IntArray) -> BoolArray:
-    """Matrix (m, k) of the pairs that count: all of a thumb with a finger pair, but each two equal fingers only once."""
+    """Matrix (m, k) of the pairs that count: all of a thumb with a finger pair, of equal fingers each two once."""
     either = (fingers.jaw[rows][:, None] == EITHER_JAW) & (fingers.jaw[columns] == EITHER_JAW)
     return np.asarray(~either | (rows[:, None] < columns))
 

@@ -13,7 +13,7 @@ from flatgrasp_cli.model import FingerCandidates, Silhouette, StepPoints
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import FingerSettings
 
-STEPS_PER_PERIMETER = 300
+STEPS_PER_PERIMETER = 200
 STEP_RANGE_M = (0.002, 0.005)
 ARC_SAMPLES = 17
 EITHER_JAW = -1
@@ -102,19 +102,18 @@ def _variance(
 
 def inward_directions(
     silhouette: Silhouette, fingers: FingerCandidates, settings: FingerSettings, seed: int
-) -> FingerCandidates:
-    """§III.A.3.3: candidates whose grasping direction points into the object.
+) -> tuple[FingerCandidates, int]:
+    """§III.A.3.3: candidates whose grasping direction points into the object, and the number of doubtful ones.
 
     `signed_area`: the loops' orientation already says where the object lies; each candidate is checked δ inside its
     middle and dropped when the boundary there turns its back, as over the mouth of a slot. `random_rays`: the paper's
-    search decides for the first candidate, and cross products carry its side to all others, unchecked.
+    search decides for the first candidate, and cross products carry its side to all others; doubtful ones stay.
     """
-    if settings.direction == "signed_area":
-        probe = fingers.contact + settings.delta_m * fingers.direction
-        return fingers.select(polygon.contains(silhouette.loops, probe))
-    if len(fingers) == 0 or _first_points_left(silhouette.loops[0], fingers, settings, seed):
-        return fingers
-    return replace(fingers, direction=-fingers.direction)
+    if settings.direction == "random_rays" and not _first_points_left(silhouette.loops[0], fingers, settings, seed):
+        fingers = replace(fingers, direction=-fingers.direction)
+    inside = polygon.contains(silhouette.loops, fingers.contact + settings.delta_m * fingers.direction)
+    doubted = int(np.count_nonzero(~inside))
+    return (fingers.select(inside) if settings.direction == "signed_area" else fingers), doubted
 
 
 def _first_points_left(loop: FloatArray, fingers: FingerCandidates, settings: FingerSettings, seed: int) -> bool:

@@ -2,11 +2,27 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
-from flatgrasp_cli.geometry.polygon import area_centroid, cross
+from flatgrasp_cli.geometry.polygon import area_centroid, cross, share_inside
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates, Silhouette
+from flatgrasp_cli.profiles.settings import GravitySettings
+
+MOST_FRICTION = 10.0
+"""Where more friction costs no more: a pair that would have to pull needs infinitely much."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RankingCost:
+    """Centre of gravity (2,), and for p pairs gravity distance, share of the segment inside, and cost in metres."""
+
+    center: FloatArray
+    distance: FloatArray
+    inside_share: FloatArray
+    cost: FloatArray
 
 
 def gravity_center(silhouette: Silhouette, method: str) -> FloatArray:
@@ -25,7 +41,19 @@ def gravity_distance(fingers: FingerCandidates, pairs: GraspCandidates, center: 
     return np.abs(cross(along, center - contact))
 
 
-def best_first(pairs: GraspCandidates, distance: FloatArray, tie_m: float) -> IntArray:
-    """Order (p,) of the pairs by gravity distance; within steps of `tie_m` by required friction, then by index."""
-    rounded = np.floor(distance / tie_m) if tie_m > 0 else distance
-    return np.lexsort((pairs.j, pairs.i, pairs.required_friction, rounded))
+def ranking_cost(
+    fingers: FingerCandidates, pairs: GraspCandidates, outline: Silhouette, width: FloatArray, settings: GravitySettings
+) -> RankingCost:
+    """What the pairs are ranked by: the paper's gravity distance, plus what the settings add to it."""
+    center = gravity_center(outline, settings.center)
+    distance = gravity_distance(fingers, pairs, center)
+    share = share_inside(outline.loops, fingers.contact[pairs.i], fingers.contact[pairs.j])
+    friction = np.minimum(pairs.required_friction, MOST_FRICTION)
+    gap = settings.gap_weight * (1 - share) * pairs.distance
+    cost = distance + gap + settings.width_weight * width + settings.friction_weight_m * friction
+    return RankingCost(center, distance, share, cost)
+
+
+def best_first(pairs: GraspCandidates, cost: FloatArray) -> IntArray:
+    """Order (p,) of the pairs by cost; equal ones by required friction, then by index."""
+    return np.lexsort((pairs.j, pairs.i, pairs.required_friction, cost))

@@ -7,15 +7,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
-from flatgrasp_cli.geometry.polygon import clip_to_strips, dot, edges, left_normal
+from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.polygon import clip_to_strips, cross, dot, left_normal, next_vertices
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates, Silhouette
 from flatgrasp_cli.planner.funnel import Funnel
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import HandSettings
 
-MAX_CELLS = 2_000_000
-"""Pairs × edges worked on at once: bounds the memory."""
+SINK_M = 0.002
+"""A pad may come to rest this much, and half its width, below the highest point of its stretch of boundary."""
+MAX_CELLS = 30_000
+"""Pairs × edges worked on at once: as much as stays in a processor's cache."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -148,22 +150,33 @@ def swept_fit(
     own reach is what the pad rests on; the next boundary outward ends the room, and boundary that runs on past the
     tolerance without a gap leaves none.
     """
-    start, end = edges(silhouette.loops)
+    vertices, following = np.concatenate(silhouette.loops), next_vertices(silhouette.loops)
     level = extents(fingers, pairs) + tolerance_m
     pads, room = np.empty((2, len(pairs))), np.empty((2, len(pairs)))
-    for part in _chunks(len(pairs), len(start)):
+    for part in _chunks(len(pairs), len(vertices)):
         axis, middle = pairs.axis[part], _middles(fingers, pairs)[part]
-        across = left_normal(axis)
-        for side, sign in ((0, -1.0), (1, 1.0)):
-            local_start, local_end = (_to_hand(points, middle, across, sign * axis) for points in (start, end))
-            pads[side, part], room[side, part] = _jaw_fit(local_start, local_end, level[side, part], gripper, side)
-    return Fit(pads, room)
+        x, y = _to_hand(vertices, middle, left_normal(axis), axis)
+        for side, outward in ((0, -y), (1, y)):
+            edge = (x, outward), (x[following], outward[following])
+            pads[side, part], room[side, part] = _jaw_fit(edge, level[side, part], gripper, side)
+    return Fit(pads, np.where(_under_pads(fingers, pairs, gripper, level - pads), room, 0.0))
 
 
-def _to_hand(points: FloatArray, origin: FloatArray, across: FloatArray, along: FloatArray) -> FloatArray:
-    """Plane points (e, 2) in p frames with x `across` and y `along` (p, 2) at `origin` (p, 2): (e, p, 2)."""
-    x, y = points @ across.T - dot(origin, across), points @ along.T - dot(origin, along)
-    return np.stack([x, y], axis=-1)
+def _under_pads(fingers: FingerCandidates, pairs: GraspCandidates, gripper: Gripper, sunk: FloatArray) -> BoolArray:
+    """Whether each pad (2, p) rests on its own candidate: over the contact, and sunk in no deeper than half its width.
+
+    On the bisector the two contacts lie off the hand's middle by half their sideways distance, each its own way.
+    """
+    half = 0.5 * np.array([[gripper.jaw_width_m(0)], [gripper.jaw_width_m(1)]])
+    aside = 0.5 * np.abs(cross(pairs.axis, fingers.contact[pairs.j] - fingers.contact[pairs.i]))
+    return np.asarray((aside <= half) & (sunk <= half + SINK_M))
+
+
+def _to_hand(
+    points: FloatArray, origin: FloatArray, across: FloatArray, along: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """X and y (e, p) of plane points (e, 2) in p frames with x `across` and y `along` (p, 2) at `origin` (p, 2)."""
+    return points @ across.T - dot(origin, across), points @ along.T - dot(origin, along)
 
 
 def _chunks(pairs: int, others: int) -> Iterator[slice]:
@@ -173,13 +186,16 @@ def _chunks(pairs: int, others: int) -> Iterator[slice]:
 
 
 def _jaw_fit(
-    start: FloatArray, end: FloatArray, level: FloatArray, gripper: Gripper, side: int
+    edge: tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]],
+    level: FloatArray,
+    gripper: Gripper,
+    side: int,
 ) -> tuple[FloatArray, FloatArray]:
-    """Pad distance and room (p,) of one jaw, for outline edges (e, p, 2) in frames whose +y points out to that jaw."""
+    """Pad distance and room (p,) of one jaw: `edge` holds x, y (e, p) of the outline's edge ends, +y out to that jaw."""
     pad, obstacle = np.full(len(level), -np.inf), np.full(len(level), np.inf)
     half = gripper.finger_width_m / 2
     for offset in gripper.jaws[side]:
-        lowest, highest = clip_to_strips(start, end, offset - half, offset + half)
+        lowest, highest = clip_to_strips(*edge, offset - half, offset + half)
         beyond = highest > level
         pad = np.maximum(pad, np.where(beyond, -np.inf, highest).max(axis=0))
         obstacle = np.minimum(obstacle, np.where(beyond, lowest, np.inf).min(axis=0))
@@ -200,8 +216,7 @@ def eq2_fit(
     free = np.empty((2, len(pairs)), dtype=np.bool_)
     middles, across = _middles(fingers, pairs), left_normal(pairs.axis)
     for part in _chunks(len(pairs), len(vertices)):
-        local = _to_hand(vertices, middles[part], across[part], pairs.axis[part])
-        x, y = local[..., 0], local[..., 1]
+        x, y = _to_hand(vertices, middles[part], across[part], pairs.axis[part])
         in_strip = np.abs(x) <= 0.5 * gripper.hand_width_m
         begin = half[part] + tolerance_m
         for side, outward in ((0, -y), (1, y)):
@@ -227,8 +242,8 @@ def palm_intrusion(outline: Silhouette, hand_centers: FloatArray, axes: FloatArr
     points, excess = outline.points[tall], outline.heights[tall] - gripper.finger_length_m
     across = left_normal(axes)
     for part in _chunks(len(hand_centers), len(points)):
-        local = _to_hand(points, hand_centers[part], across[part], axes[part])
-        inside = (np.abs(local[..., 0]) <= 0.5 * gripper.hand_width_m) & (np.abs(local[..., 1]) <= 0.5 * gripper.palm_m)
+        x, y = _to_hand(points, hand_centers[part], across[part], axes[part])
+        inside = (np.abs(x) <= 0.5 * gripper.hand_width_m) & (np.abs(y) <= 0.5 * gripper.palm_m)
         intrusion[part] = np.where(inside, excess[:, None], 0.0).max(axis=0)
     return intrusion
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.geometry.frames import Frame, quaternion_from_axes
-from flatgrasp_cli.geometry.polygon import contains, left_normal, share_inside
+from flatgrasp_cli.geometry.frames import quaternion_from_axes
+from flatgrasp_cli.geometry.polygon import left_normal
 from flatgrasp_cli.model import (
     FingerCandidates,
     Grasp,
@@ -21,9 +21,9 @@ from flatgrasp_cli.model import (
 from flatgrasp_cli.planner.balance import force_balance, force_balanced, torque_balanced
 from flatgrasp_cli.planner.fingers import finger_candidates, inward_directions, step_points
 from flatgrasp_cli.planner.funnel import Funnel, NothingLeft
-from flatgrasp_cli.planner.gravity import best_first, gravity_center, gravity_distance
+from flatgrasp_cli.planner.gravity import RankingCost, best_first, ranking_cost
 from flatgrasp_cli.planner.hand import Fit, centers, closing_axes, flat, in_range, openings, operable
-from flatgrasp_cli.planner.main_plane import is_line, oriented_box
+from flatgrasp_cli.planner.main_plane import oriented_box
 from flatgrasp_cli.planner.silhouette import silhouette
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
@@ -47,11 +47,10 @@ def _section_three(
 ) -> tuple[Grasp, ...]:
     """The method in the paper's order; what it finds on the way goes into the funnel and the trace."""
     funnel, trace = notes
-    if is_line(cloud.points):
-        funnel.count("points", 0, _no_plane(cloud.points))
-
     # A.1 the oriented bounding box and its main plane; A.2 the silhouette
     box = trace.box = oriented_box(cloud.points, cloud.viewpoint, settings.main_plane.method)
+    if box is None:
+        raise NothingLeft(Rejection("main_plane", _no_plane(cloud.points)))
     outline = trace.silhouette = silhouette(cloud.points, box, settings.silhouette)
     funnel.count("silhouette", len(outline.loops), "the points are too scattered for an outline")
 
@@ -60,9 +59,8 @@ def _section_three(
     funnel.count("step_points", sum(len(step.points) for step in steps), "the outline has no step point")
     chords = finger_candidates(outline, steps, gripper, settings.fingers)
     funnel.count("finger_candidates", len(chords), _no_finger_place(box, gripper))
-    fingers = trace.fingers = inward_directions(outline, chords, settings.fingers, settings.seed)
-    probe = fingers.contact + settings.fingers.delta_m * fingers.direction
-    trace.doubted_directions = len(chords) - int(contains(outline.loops, probe).sum())
+    fingers, trace.doubted_directions = inward_directions(outline, chords, settings.fingers, settings.seed)
+    trace.fingers = fingers
     funnel.count("grasping_direction", len(fingers), "no finger candidate has the object before it")
 
     # B.1 force balance of all pairs; B.2 torque balance
@@ -77,54 +75,48 @@ def _section_three(
     pairs, fit = operable(outline, fingers, pairs, (gripper, settings.hand), funnel)
 
     # C gravity, and the final grasp
-    trace.gravity_center = gravity_center(outline, settings.gravity.center)
-    distance = gravity_distance(fingers, pairs, trace.gravity_center)
-    order = best_first(pairs, distance, settings.gravity.tie_m)
-    trace.ranked, trace.gravity_distance_m = np.column_stack([pairs.i, pairs.j])[order], distance[order]
-    best = order[:top]
-    opening = openings(fit.select(best), gripper, settings.hand)
-    hands = (pairs.select(best), fit.select(best), opening, distance[best])
-    return _grasps(outline, fingers, hands)
-
-
-def _grasps(
-    outline: Silhouette, fingers: FingerCandidates, hands: tuple[GraspCandidates, Fit, FloatArray, FloatArray]
-) -> tuple[Grasp, ...]:
-    """Grasp records of the best pairs, their fingertip frames at the box's mid-height, facing away from the sensor."""
-    pairs, fit, opening, gravity_m = hands
-    frame = outline.frame
-    contacts = np.stack([fingers.contact[pairs.i], fingers.contact[pairs.j]], axis=1)
-    share = share_inside(outline.loops, contacts[:, 0], contacts[:, 1])
-    positions = frame.to_world(centers(fingers, pairs, fit))
-    orientations = _hand_orientations(pairs.axis, frame)
+    ranking = ranking_cost(fingers, pairs, outline, fit.width, settings.gravity)
+    order = best_first(pairs, ranking.cost)
+    trace.gravity_center, trace.gravity_distance_m = ranking.center, ranking.distance[order]
+    trace.ranked = np.column_stack([pairs.i, pairs.j])[order]
+    opening = openings(fit, gripper, settings.hand)
     return tuple(
-        Grasp(
-            rank=k + 1,
-            position=positions[k],
-            orientation=orientations[k],
-            opening_m=float(opening[k]),
-            width_m=float(fit.width[k]),
-            contacts=frame.to_world(contacts[k]),
-            fingers=(int(pairs.i[k]), int(pairs.j[k])),
-            force_balance_deg=float(pairs.force_balance_deg[k]),
-            torque_arm_m=float(pairs.torque_arm_m[k]),
-            required_friction=float(pairs.required_friction[k]),
-            variance_m=float(fingers.variance[pairs.i[k]] + fingers.variance[pairs.j[k]]),
-            gravity_distance_m=float(gravity_m[k]),
-            inside_share=float(share[k]),
-            arc_ratio=float(max(fingers.arc_ratio[pairs.i[k]], fingers.arc_ratio[pairs.j[k]])),
-        )
-        for k in range(len(pairs))
+        _grasp(rank, k, (outline, fingers), (pairs, fit, opening, ranking))
+        for rank, k in enumerate(order[:top], start=1)
     )
 
 
-def _hand_orientations(axes: FloatArray, frame: Frame) -> list[FloatArray]:
-    """Quaternions of hands that close along `axes` (p, 2) of the main plane and approach against its normal.
+def _grasp(
+    rank: int,
+    k: int,
+    places: tuple[Silhouette, FingerCandidates],
+    hands: tuple[GraspCandidates, Fit, FloatArray, RankingCost],
+) -> Grasp:
+    """The record of pair `k`, its fingertip frame at the box's mid-height, facing away from the sensor.
 
     Hand y is the closing axis and hand z = −normal, so hand x = y × z = normal × y: y turned left in the plane.
     """
-    x, y = left_normal(axes) @ frame.axes[:2], axes @ frame.axes[:2]
-    return [quaternion_from_axes(np.stack([x[k], y[k], -frame.axes[2]])) for k in range(len(axes))]
+    (outline, fingers), (pairs, fit, opening, ranking) = places, hands
+    frame, i, j = outline.frame, int(pairs.i[k]), int(pairs.j[k])
+    axis = pairs.axis[k : k + 1]
+    hand_axes = np.concatenate([left_normal(axis) @ frame.axes[:2], axis @ frame.axes[:2], -frame.axes[2:]])
+    return Grasp(
+        rank=rank,
+        position=frame.to_world(centers(fingers, pairs, fit)[k]),
+        orientation=quaternion_from_axes(hand_axes),
+        opening_m=float(opening[k]),
+        width_m=float(fit.width[k]),
+        contacts=frame.to_world(fingers.contact[[i, j]]),
+        fingers=(i, j),
+        force_balance_deg=float(pairs.force_balance_deg[k]),
+        torque_arm_m=float(pairs.torque_arm_m[k]),
+        required_friction=float(pairs.required_friction[k]),
+        variance_m=float(fingers.variance[i] + fingers.variance[j]),
+        gravity_distance_m=float(ranking.distance[k]),
+        inside_share=float(ranking.inside_share[k]),
+        arc_ratio=float(fingers.arc_ratio[[i, j]].max()),
+        cost_m=float(ranking.cost[k]),
+    )
 
 
 def _no_plane(points: FloatArray) -> str:

@@ -6,30 +6,31 @@ from typing import Any
 
 import numpy as np
 
-from flatgrasp_cli.geometry.alpha_shape import AlphaShape, thin_interior
-from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.alpha_shape import CellGrid, alpha_region
+from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
 from flatgrasp_cli.model import OrientedBox, Silhouette
 from flatgrasp_cli.profiles.settings import SilhouetteSettings
 
 NEIGHBOURS = 6
 SPACING_QUANTILE = 0.95
-SPACING_SAMPLES = 500
+SPACING_SAMPLES = 300
 MIN_ALPHA_M = 0.003
 ALPHA_GROWTH = 1.5
 
 
 def silhouette(points: FloatArray, box: OrientedBox, settings: SilhouetteSettings) -> Silhouette:
-    """The concave hull of `points` (n, 3) projected to the box's main plane, an ordered simple polygon with holes."""
+    """The concave hull of `points` (n, 3) projected to the box's main plane, an ordered simple polygon with holes.
+
+    α grows until one piece holds the share of the points that the settings ask for; what is detached from it then
+    counts for nothing.
+    """
     local = box.frame.to_local(points)
     projected, heights = np.ascontiguousarray(local[:, :2]), local[:, 2]
     alpha_m = settings.alpha_m or max(MIN_ALPHA_M, 2 * spacing(projected))
-    shape = AlphaShape(thin_interior(projected, alpha_m))
-    regions = shape.regions(alpha_m)
-    while (coverage := _coverage(regions)) < settings.min_coverage and alpha_m < float(np.hypot(*box.size[:2])):
-        alpha_m *= ALPHA_GROWTH
-        regions = shape.regions(alpha_m)
-    loops = _loops(regions[0], settings) if regions else ()
-    return Silhouette(box.frame, loops, projected, heights, alpha_m, coverage)
+    grid, member = _one_piece(projected, alpha_m, settings.min_coverage)
+    region = alpha_region(grid, member)
+    loops = _loops(region, settings) if region is not None else ()
+    return Silhouette(box.frame, loops, projected, heights, grid.alpha_m, float(member.mean()))
 
 
 def spacing(points: FloatArray) -> float:
@@ -38,16 +39,23 @@ def spacing(points: FloatArray) -> float:
 
     sample = points[:: max(1, len(points) // SPACING_SAMPLES)]
     reach = min(NEIGHBOURS + 1, len(points))  # a point is its own nearest neighbour
-    tree = KDTree(
-        points, leafsize=32, balanced_tree=False, compact_nodes=False
-    )  # quicker to build, and only few queries follow
+    tree = KDTree(points, leafsize=32, balanced_tree=False, compact_nodes=False)  # quick to build: queries are few
     distances, _ = tree.query(sample, k=[reach])
     return float(np.quantile(distances, SPACING_QUANTILE))
 
 
-def _coverage(regions: list[Any]) -> float:
-    total = sum(region.area for region in regions)
-    return float(regions[0].area / total) if total > 0 else 0.0
+def _one_piece(points: FloatArray, alpha_m: float, min_share: float) -> tuple[CellGrid, BoolArray]:
+    """The points sorted by an α, no smaller than asked, whose largest piece holds `min_share`; and that piece."""
+    while True:
+        try:
+            grid = CellGrid(points, alpha_m)
+        except ValueError:  # α is tiny against the extent: far-off points, or a cloud that is no object
+            alpha_m *= ALPHA_GROWTH
+            continue
+        member, share = grid.largest_piece()
+        if share >= min_share:
+            return grid, member
+        alpha_m *= ALPHA_GROWTH
 
 
 def _loops(region: Any, settings: SilhouetteSettings) -> tuple[FloatArray, ...]:

@@ -11,6 +11,7 @@ from flatgrasp_cli.profiles.base import Length, PositiveLength, Profile
 from flatgrasp_cli.profiles.gripper import Gripper
 
 Angle = Annotated[float, Field(gt=0, le=180)]
+Weight = Annotated[float, Field(ge=0, le=100)]
 Share = Annotated[float, Field(gt=0, lt=1)]
 
 
@@ -96,8 +97,12 @@ class GravitySettings(Profile):
 
     center: Literal["area", "points"]
     """Centre of the outline's area, or the mean of the points."""
-    tie_m: Length
-    """Gravity distances are equal within steps of this; then the lower required friction wins. 0: no ties."""
+    gap_weight: Weight
+    """Cost of each metre of the closing segment outside the object, in metres of gravity distance."""
+    width_weight: Weight
+    """Cost of each metre of width."""
+    friction_weight_m: Weight
+    """Cost of required friction 1."""
 
 
 class PlannerSettings(Profile):

@@ -1,0 +1,91 @@
+"""Where results go: files, JSON Lines on stdout, or a table."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from flatgrasp_cli.errors import UsageError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from flatgrasp_cli.planning import Plan
+
+
+class Outputs:
+    """Writes each plan as asked: into `folder` (None: no files), and to stdout as JSON or as a table."""
+
+    def __init__(self, folder: Path | None, as_json: bool, plots: str) -> None:
+        self._folder, self._as_json, self._plots = folder, as_json, plots
+        self.refused = 0
+        if folder is not None:
+            with _writing(folder):
+                folder.mkdir(parents=True, exist_ok=True)
+
+    def write(self, plan: Plan, stem: str, read_ms: float) -> None:
+        """Write one plan; says on stderr when it has no grasp."""
+        from flatgrasp_cli.results.document import to_document, to_json
+        from flatgrasp_cli.results.table import refusal
+
+        began = time.perf_counter()
+        document = to_document(plan, read_ms)
+        document["timing_ms"]["total"] = round(read_ms + plan.plan_ms + 1e3 * (time.perf_counter() - began), 3)
+        if self._folder is not None:
+            self._write_file(self._folder / f"{stem}.grasps.json", to_json(document, indent=2) + "\n")
+            self._draw(plan, self._folder, stem)
+        if self._as_json:
+            click.echo(to_json(document))
+        elif plan.best is not None:
+            self._print_table(plan)
+        if plan.best is None:
+            self.refused += 1
+            click.echo(f"flatgrasp: {plan.cloud.source.path}: {refusal(plan)}", err=True)
+
+    def _print_table(self, plan: Plan) -> None:
+        from rich.console import Console
+
+        from flatgrasp_cli.results.table import grasp_table
+
+        console = Console(width=None if sys.stdout.isatty() else 120)
+        console.print(grasp_table(plan))
+
+    def _draw(self, plan: Plan, folder: Path, stem: str) -> None:
+        if self._plots == "none":
+            return
+        from flatgrasp_cli.results.figures import final_figure, stage_figures
+
+        self._save(final_figure(plan), folder / f"{stem}.grasps.png")
+        if self._plots == "stages":
+            stages = folder / f"{stem}.stages"
+            with _writing(stages):
+                stages.mkdir(exist_ok=True)
+            for name, figure in stage_figures(plan):
+                self._save(figure, stages / f"{name}.png")
+
+    def _save(self, figure: Figure, path: Path) -> None:
+        from flatgrasp_cli.results.figures import save_figure
+
+        with _writing(path):
+            save_figure(figure, path)
+
+    def _write_file(self, path: Path, text: str) -> None:
+        with _writing(path):
+            path.write_text(text, encoding="utf-8")
+
+
+@contextmanager
+def _writing(path: Path) -> Iterator[None]:
+    """Turn an operating-system error while writing `path` into one that says what to do."""
+    try:
+        yield
+    except OSError as error:
+        raise UsageError(
+            f"{path}: cannot be written: {error.strerror or error}; choose another folder with --out DIR"
+        ) from error

@@ -1,0 +1,141 @@
+"""`flatgrasp plan SOURCE…`."""
+
+from __future__ import annotations
+
+import re
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from flatgrasp_cli.cli.completion import complete_profile
+from flatgrasp_cli.cli.outputs import Outputs
+from flatgrasp_cli.errors import SourceError
+
+if TYPE_CHECKING:
+    from flatgrasp_cli.model import Cloud
+
+NO_GRASP = 1
+
+
+@click.command("plan")
+@click.argument("sources", metavar="SOURCE…", nargs=-1, required=True)
+@click.option(
+    "--gripper",
+    "-g",
+    default="lacquey",
+    show_default=True,
+    metavar="NAME|FILE",
+    shell_complete=complete_profile("gripper"),
+    help="Gripper profile; `flatgrasp profiles list` shows them.",
+)
+@click.option(
+    "--method",
+    default="default",
+    show_default=True,
+    metavar="default|paper|FILE",
+    shell_complete=complete_profile("planner"),
+    help="Planner settings: ours, or the paper's to the letter.",
+)
+@click.option(
+    "--set",
+    "overrides",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="Override a planner setting, e.g. --set fingers.step_m=0.004. Repeatable.",
+)
+@click.option(
+    "--scale",
+    type=click.FloatRange(min=0, min_open=True),
+    default=1.0,
+    show_default=True,
+    help="Metres in one unit of the source; 0.001 for millimetres.",
+)
+@click.option(
+    "--top",
+    type=click.IntRange(min=1),
+    default=10,
+    show_default=True,
+    metavar="K",
+    help="How many grasps to keep, best first.",
+)
+@click.option(
+    "--out",
+    "-o",
+    type=click.Path(path_type=Path, file_okay=False),
+    metavar="DIR",
+    help="Folder for JSON and PNG files; the current one unless --json is given.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print one document a line to stdout, no table.")
+@click.option(
+    "--plots",
+    type=click.Choice(["final", "stages", "none"]),
+    default="final",
+    show_default=True,
+    help="The final grasp as PNG, or every stage of the method, or nothing.",
+)
+def command(
+    sources: tuple[str, ...],
+    gripper: str,
+    method: str,
+    overrides: tuple[str, ...],
+    scale: float,
+    top: int,
+    out: Path | None,
+    as_json: bool,
+    plots: str,
+) -> int:
+    """Plan grasps on point clouds: PCD or PLY files, or "-" for standard input.
+
+    Writes STEM.grasps.json and STEM.grasps.png for each SOURCE and prints the best grasps. Exit code 0: a grasp for
+    every cloud; 1: some cloud has none, the document says why; 3: some source could not be read.
+    """  # fmt: skip
+    from flatgrasp_cli.planning import plan
+    from flatgrasp_cli.profiles import load_gripper, load_settings
+
+    hand, settings = load_gripper(gripper), load_settings(method, overrides)
+    outputs = Outputs(out if as_json else out or Path(), as_json, plots)
+    code = 0
+    for source, stem in zip(sources, _stems(sources), strict=True):
+        try:
+            for cloud, read_ms in _timed(source, scale):
+                outputs.write(plan(cloud, hand, settings, top=top), stem, read_ms)
+        except SourceError as error:
+            if len(sources) == 1:
+                raise
+            click.echo(f"flatgrasp: {error}", err=True)  # the other sources still get their answer
+            code = error.exit_code
+    return code or (NO_GRASP if outputs.refused else 0)
+
+
+def _timed(source: str, scale: float) -> Iterator[tuple[Cloud, float]]:
+    """The clouds of a source with the milliseconds that reading each took."""
+    from flatgrasp_cli.sources import read_clouds
+
+    if source == "-" and sys.stdin.isatty():
+        raise click.UsageError("'-' reads a cloud from standard input, which is a terminal; pipe a file into it")
+    clouds = read_clouds(source, scale)
+    while True:
+        began = time.perf_counter()
+        cloud = next(clouds, None)
+        if cloud is None:
+            return
+        yield cloud, 1e3 * (time.perf_counter() - began)
+
+
+def _stems(sources: tuple[str, ...]) -> list[str]:
+    """A file name for each source's results; sources of one name get -2, -3, … so that none overwrites another."""
+    stems: list[str] = []
+    taken: set[str] = set()
+    for source in sources:
+        stem = "stdin" if source == "-" else re.sub(r"[^\w.+-]", "_", Path(source).stem) or "cloud"
+        unique, n = stem, 1
+        while unique in taken:
+            n += 1
+            unique = f"{stem}-{n}"
+        taken.add(unique)
+        stems.append(unique)
+    return stems

@@ -1,0 +1,1 @@
+"""A plan as a JSON document, a table for the terminal, and figures."""

@@ -1,0 +1,64 @@
+"""The hand, seen along its approach."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Polygon
+
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.frames import Frame
+from flatgrasp_cli.model import Grasp
+from flatgrasp_cli.profiles import Gripper
+from flatgrasp_cli.results.figures.style import BLUE, GREEN, MM, ORANGE, RED
+
+AXIS_MM = 12.0
+
+
+def hand_in_plane(grasp: Grasp, frame: Frame) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """The hand's origin and its x and y axes (2,) in the main plane's coordinates."""
+    x, y, z, w = grasp.orientation
+    hand_x = np.array([1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)])
+    hand_y = np.array([2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)])
+    origin = frame.to_local(grasp.position[None])[0, :2]
+    return origin, frame.axes[:2] @ hand_x, frame.axes[:2] @ hand_y
+
+
+def finger_boxes(gripper: Gripper, opening_m: float) -> list[tuple[float, float, float, float]]:
+    """Each finger as (x_min, x_max, y_min, y_max) in the hand's frame, metres."""
+    half, inner, outer = gripper.finger_width_m / 2, opening_m / 2, opening_m / 2 + gripper.finger_thickness_m
+    minus = [(offset - half, offset + half, -outer, -inner) for offset in gripper.jaws[0]]
+    plus = [(offset - half, offset + half, inner, outer) for offset in gripper.jaws[1]]
+    return minus + plus
+
+
+def draw_hand(axes: Axes, grasp: Grasp, frame: Frame, gripper: Gripper) -> None:
+    """Fingers at the opening to approach with, their way to the object, palm, closing axis and contacts."""
+    origin, hand_x, hand_y = hand_in_plane(grasp, frame)
+
+    def place(corners: FloatArray) -> FloatArray:
+        return np.asarray(MM * (origin + corners[:, :1] * hand_x + corners[:, 1:] * hand_y))
+
+    def rectangle(x0: float, x1: float, y0: float, y1: float, **style: object) -> None:
+        corners = np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])
+        axes.add_patch(Polygon(place(corners), closed=True, **style))
+
+    for x0, x1, y0, y1 in finger_boxes(gripper, grasp.opening_m):
+        near = np.sign(y0 + y1) * grasp.width_m / 2
+        rectangle(x0, x1, min(near, y0, y1, key=abs), max(y0, y1, key=abs), fc=ORANGE, alpha=0.25, ec="none", zorder=3)
+        rectangle(x0, x1, y0, y1, fc=ORANGE, ec=RED, lw=1.5, zorder=4)
+    palm_x, palm_y = gripper.hand_width_m / 2, gripper.palm_m / 2
+    rectangle(-palm_x, palm_x, -palm_y, palm_y, fc="none", ec=BLUE, ls="--", lw=1.2, zorder=3)
+
+    line = place(np.array([[0.0, -grasp.opening_m / 2], [0.0, grasp.opening_m / 2]]))
+    axes.plot(line[:, 0], line[:, 1], color=RED, lw=2.0, zorder=5, label="final grasp")
+    contacts = MM * frame.to_local(grasp.contacts)[:, :2]
+    axes.plot(contacts[:, 0], contacts[:, 1], "o", color=RED, ms=6, mec="white", zorder=6, label="contacts")
+    axes.plot([], [], "s", color=ORANGE, mec=RED, ms=4, label="fingers, open")
+    axes.plot([], [], "--", color=BLUE, label="palm")
+    u, v = MM * origin
+    for axis, name in ((hand_x, "x"), (hand_y, "y")):
+        du, dv = AXIS_MM * axis
+        arrow = {"arrowstyle": "-|>", "color": GREEN}
+        axes.annotate("", (u + du, v + dv), (u, v), arrowprops=arrow, zorder=7)
+        axes.text(u + 1.25 * du, v + 1.25 * dv, name, color=GREEN, ha="center", va="center", fontsize=9, zorder=7)

@@ -1,0 +1,78 @@
+"""Colours, axes and files that all figures share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.model import Silhouette
+
+# Okabe & Ito's palette: told apart by every kind of colour vision.
+BLACK, GREY, PALE = "#000000", "#7f7f7f", "#c8c8c8"
+ORANGE, SKY, GREEN, BLUE, RED, PURPLE = "#E69F00", "#56B4E9", "#009E73", "#0072B2", "#D55E00", "#CC79A7"
+
+MM = 1e3
+MAX_POINTS = 6000
+"""Points drawn of a cloud: more only darken the picture."""
+
+
+def new_figure(width: float = 8.0, height: float = 6.0) -> Figure:
+    """An empty figure, in inches, that needs no display."""
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def save_figure(figure: Figure, path: Path) -> None:
+    """Write the figure as PNG."""
+    figure.savefig(path, format="png", dpi=120)
+
+
+def plane_axes(figure: Figure, title: str, position: Any = 111) -> Axes:
+    """Axes of the main plane in millimetres."""
+    axes: Axes = figure.add_subplot(position)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_xlabel("u (mm)")
+    axes.set_ylabel("v (mm)")
+    axes.set_title(title, loc="left", fontsize=11)
+    axes.margins(0.08)
+    return axes
+
+
+def thinned(points: FloatArray) -> FloatArray:
+    """An even sample of `points` (n, …) that a picture can hold."""
+    return points[:: max(1, len(points) // MAX_POINTS)]
+
+
+def draw_points(axes: Axes, outline: Silhouette) -> None:
+    """The projected cloud, pale."""
+    points = MM * thinned(outline.points)
+    axes.plot(points[:, 0], points[:, 1], ".", ms=1.5, mew=0, color=PALE, zorder=1, label="cloud")
+
+
+def draw_outline(axes: Axes, outline: Silhouette, color: str = BLACK, **style: Any) -> None:
+    """The loops of the concave hull."""
+    for k, loop in enumerate(outline.loops):
+        closed = MM * loop[[*range(len(loop)), 0]]
+        axes.plot(
+            closed[:, 0], closed[:, 1], color=color, lw=1.2, zorder=2, label="outline" if k == 0 else None, **style
+        )
+
+
+def draw_segments(axes: Axes, start: FloatArray, end: FloatArray, **style: Any) -> LineCollection:
+    """Segments from `start` to `end` (n, 2), which also count for the axes' limits."""
+    lines = LineCollection([(MM * a, MM * b) for a, b in zip(start, end, strict=True)], **style)
+    axes.add_collection(lines)
+    axes.autoscale_view()
+    return lines
+
+
+def legend(axes: Axes) -> None:
+    """A legend outside the drawing."""
+    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=8, frameon=False)

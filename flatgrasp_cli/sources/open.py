@@ -1,0 +1,101 @@
+"""The door to all readers: says by content, not by name, what a source is."""
+
+from __future__ import annotations
+
+import logging
+import os
+import shutil
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from flatgrasp_cli.errors import SourceError
+from flatgrasp_cli.model import Cloud
+
+STDIN = "-"
+LARGEST_EXTENT_M = 20.0
+"""No depth camera's cloud is wider than this in metres; one in millimetres is."""
+RECORDINGS = {b"\x89MCAP0\r\n": "an MCAP recording", b"#ROSBAG V2.0": "a ROS 1 bag"}
+_log = logging.getLogger(__name__)
+
+
+def read_clouds(source: str | os.PathLike[str], scale: float = 1.0) -> Iterator[Cloud]:
+    """Yield the clouds of a PCD or PLY file, or of standard input for "-".
+
+    Parameters
+    ----------
+    source
+        A path, or "-".
+    scale
+        Metres in one unit of the file: 0.001 for a file in millimetres.
+
+    Raises
+    ------
+    SourceError
+        If the source is missing, is no cloud, or contradicts its own header.
+    """
+    name = os.fspath(source)
+    with _on_disk(name) as path:
+        yield _scaled(_read_file(path, "stdin" if name == STDIN else name), scale)
+
+
+def _read_file(path: Path, name: str) -> Cloud:
+    from flatgrasp_cli.sources.pcd_ply import read_pcd, read_ply
+
+    try:
+        with path.open("rb") as file:
+            head = file.read(1024)
+            file.seek(0)
+            if not head:
+                raise SourceError(f"{name}: the file is empty")
+            for magic, what in RECORDINGS.items():
+                if head.startswith(magic):
+                    raise SourceError(f"{name}: is {what}; this version reads PCD and PLY files")
+            if head.startswith((b"ply\n", b"ply\r")):
+                return read_ply(file, name)
+            if head.lstrip().startswith((b"# .PCD", b"VERSION", b"FIELDS", b"#")) and b"FIELDS" in head:
+                return read_pcd(file, name)
+    except OSError as error:
+        raise SourceError(f"{name}: cannot be read: {error.strerror or error}") from error
+    raise SourceError(f"{name}: is neither a PCD nor a PLY file (it begins with {head[:16]!r})")
+
+
+@contextmanager
+def _on_disk(name: str) -> Iterator[Path]:
+    """A seekable file: the source itself, or standard input spooled to a temporary one."""
+    if name != STDIN:
+        path = Path(name)
+        if path.is_dir():
+            raise SourceError(f"{name}: is a folder; give the files in it, e.g. {name.rstrip('/')}/*.pcd")
+        if not path.exists():
+            raise SourceError(f"{name}: no such file")
+        yield path
+        return
+    with tempfile.NamedTemporaryFile(prefix="flatgrasp-") as spool:
+        shutil.copyfileobj(sys.stdin.buffer, spool)
+        spool.flush()
+        yield Path(spool.name)
+
+
+def _scaled(cloud: Cloud, scale: float) -> Cloud:
+    """The cloud in metres; warns when it still cannot be."""
+    if scale != 1.0:
+        cloud = replace(cloud, points=cloud.points * scale, viewpoint=cloud.viewpoint * scale)
+    extent = np.ptp(cloud.points, axis=0) if len(cloud.points) else np.zeros(3)
+    if extent.max() > LARGEST_EXTENT_M:
+        x, y, z = extent
+        _log.warning(
+            "%s: the cloud is %.0f × %.0f × %.0f m, too large for an object in metres; "
+            "if it is in millimetres, give --scale %g",
+            cloud.source.path,
+            x,
+            y,
+            z,
+            0.001 * scale,
+        )
+    return cloud
