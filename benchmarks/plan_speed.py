@@ -36,6 +36,7 @@ STAGES = {
     "force_balanced": "B.1",
     "torque_balanced": "B.2",
     "closing_axes": "B.3",
+    "on_pads": "B.3",
     "in_range": "B.3",
     "flat": "B.4",
     "operable": "B.5",

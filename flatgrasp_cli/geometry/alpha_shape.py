@@ -77,10 +77,10 @@ class CellGrid:
 def alpha_region(grid: CellGrid, member: BoolArray) -> Any:
     """The α-shape of the grid's points that `member` (n,) names, as a shapely polygon with holes; None without area.
 
-    Triangles of the border's points belong to the shape when their circumradius is at most α, or when they lie over the
-    interior. Border points are those with an empty cell among the eight around theirs; a point deeper in that touched
-    an empty disc of radius α after all would lie within the width of a cell's corner of the outline. A hole of the
-    triangles is one of the object only if it holds an empty cell; so does every disc of radius α.
+    Triangles of the border's points belong to the shape when they are small, or when they lie over the interior.
+    Border points are those with an empty cell among the eight around theirs; a point deeper in that touches an empty
+    disc of radius α all the same is left out, and lies within a cell of the outline. A hole between the triangles is
+    one of the object only if it holds an empty cell, as every disc of radius α does.
     """
     import shapely
     from scipy.spatial import Delaunay, QhullError
@@ -92,7 +92,7 @@ def alpha_region(grid: CellGrid, member: BoolArray) -> Any:
     except (QhullError, ValueError):
         return None
     triangles = border[mesh.simplices]
-    kept = (circumradii(triangles) <= grid.alpha_m) | interior[grid.cells_of(triangles.mean(axis=1))]
+    kept = small_triangles(triangles, grid.alpha_m) | interior[grid.cells_of(triangles.mean(axis=1))]
     edges = border[_boundary_edges(mesh, kept)]
     area = shapely.build_area(shapely.multilinestrings(shapely.linestrings(edges)))
     pieces = shapely.get_parts(area)
@@ -100,21 +100,24 @@ def alpha_region(grid: CellGrid, member: BoolArray) -> Any:
         return None
     shells = shapely.polygons(shapely.get_exterior_ring(pieces))
     largest = int(np.argmax(shapely.area(shells)))
-    holes = shapely.polygons(list(pieces[largest].interiors))
-    holes = holes[shapely.area(holes) >= grid.cell_area] if len(holes) else holes
     empty = grid.centers(~grid.occupied)
-    real = [hole.exterior for hole in holes if shapely.contains_xy(hole, empty).any()]
+    holes = (shapely.Polygon(ring) for ring in pieces[largest].interiors)
+    real = [hole.exterior for hole in holes if hole.area > grid.cell_area and shapely.contains_xy(hole, empty).any()]
     return shapely.Polygon(pieces[largest].exterior, real)
 
 
-def circumradii(triangles: FloatArray) -> FloatArray:
-    """Circumradius (n,) of `triangles` (n, 3, 2): product of the sides over four times the area; inf when flat."""
+def small_triangles(triangles: FloatArray, alpha_m: float) -> BoolArray:
+    """Which `triangles` (n, 3, 2) belong to the shape: circumradius at most α, or no side longer than α.
+
+    The circumradius is the product of the sides over four times the area. The second rule is ours: a flat triangle
+    between neighbours has a huge one, and leaving such out would fold a straight outline into a zigzag. It is at most
+    α·(1 − √3/2) deep.
+    """
     a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
-    sides = [np.hypot(*(p - q).T) for p, q in ((a, b), (b, c), (c, a))]
+    first, second, third = (np.hypot(*(p - q).T) for p, q in ((a, b), (b, c), (c, a)))
     (ux, uy), (vx, vy) = (b - a).T, (c - a).T
-    double_area = np.abs(ux * vy - uy * vx)
-    flat = double_area == 0
-    return np.where(flat, np.inf, sides[0] * sides[1] * sides[2] / np.where(flat, 1.0, 2 * double_area))
+    round_enough = first * second * third <= alpha_m * 2 * np.abs(ux * vy - uy * vx)
+    return np.asarray(round_enough | (np.maximum(np.maximum(first, second), third) <= alpha_m))
 
 
 def _boundary_edges(mesh: Any, kept: BoolArray) -> Any:

@@ -164,22 +164,33 @@ class _Walk:
         return math.nan
 
 
-def clip_to_strips(
-    start: tuple[FloatArray, FloatArray], end: tuple[FloatArray, FloatArray], low: float, high: float
+def clip_to_strip(
+    x: FloatArray, y: FloatArray, following: IntArray, low: float, high: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Lowest and highest y (…) of each edge's part inside the strip low ≤ x ≤ high; inf and −inf where it has none.
+    """Lowest and highest y (n, p) of each edge's part inside the strip low ≤ x ≤ high; inf and −inf where it has none.
 
-    `start` and `end` are the x (…) and the y (…) of the edges' ends in the strips' frames.
+    Parameters
+    ----------
+    x, y
+        The loops' vertices in p frames, (n, p).
+    following
+        Index (n,) of the vertex that ends the edge from each, as `next_vertices` gives it.
     """
-    (x0, y0), (x1, y1) = start, end
-    run = x1 - x0
-    slope = (y1 - y0) / np.where(run == 0, 1.0, run)
-    y_enter = np.where(run == 0, y0, y0 + slope * (np.clip(x0, low, high) - x0))
-    y_leave = np.where(run == 0, y1, y0 + slope * (np.clip(x1, low, high) - x0))
-    meets = (np.minimum(x0, x1) < high) & (np.maximum(x0, x1) > low)
-    lowest = np.where(meets, np.minimum(y_enter, y_leave), np.inf)
-    highest = np.where(meets, np.maximum(y_enter, y_leave), -np.inf)
-    return lowest, highest
+    below, above = x < high, x > low
+    meets = (below | below[following]) & (above | above[following])
+    shift = np.minimum(np.maximum(x, low), high) - x
+    run = x[following] - x
+    slope = (y[following] - y) / np.where(run == 0, 1.0, run)
+    begin, end = y + slope * shift, y[following] + slope * shift[following]
+    return np.where(meets, np.minimum(begin, end), np.inf), np.where(meets, np.maximum(begin, end), -np.inf)
+
+
+def inside_below(x: FloatArray, y: FloatArray, following: IntArray, at: float, level: FloatArray) -> BoolArray:
+    """Whether points (at, level) (p,) lie inside loops with vertices x, y (n, p): oddly many edges pass above."""
+    right = x > at
+    run = x[following] - x
+    crossing_y = y + (at - x) * (y[following] - y) / np.where(run == 0, 1.0, run)
+    return np.asarray(((right != right[following]) & (crossing_y > level)).sum(axis=0) % 2 == 1)
 
 
 def ray_parity_inside(loop: FloatArray, point: FloatArray, far_points: FloatArray) -> bool:

@@ -59,6 +59,7 @@ def _candidates_of_loop(
     ends = polygon.circle_exits(loop, steps.positions, width)
     perimeter = polygon.arc_positions(loop)[-1]
     found = np.isfinite(ends) & ((ends < perimeter) | (settings.walk == "cyclic"))
+    found &= ends - steps.positions <= (settings.arc_ratio_max or np.inf) * width
     begins, ends = steps.positions[found], ends[found]
     arcs = polygon.points_at(loop, begins[:, None] + np.linspace(0.0, 1.0, ARC_SAMPLES) * (ends - begins)[:, None])
     start, end = arcs[:, 0], arcs[:, -1]
@@ -90,14 +91,11 @@ def _variance(
         row, vertex = polygon.vertices_between(loop, *span)
         distance = np.abs(polygon.dot(loop[vertex] - start[row], normal[row]))
         return np.bincount(row, weights=distance, minlength=len(start)).astype(np.float64)
-    distance = np.abs(polygon.dot(arcs - start[:, None], normal[:, None]))
+    offset = polygon.dot(arcs - start[:, None], normal[:, None])
     if settings.variance == "max":
-        variance = distance.max(axis=1)
-    elif settings.variance == "rms":
-        variance = np.sqrt((distance**2).mean(axis=1))
-    else:
-        variance = distance.mean(axis=1)
-    return np.asarray(variance, dtype=np.float64)
+        return np.asarray(np.abs(offset).max(axis=1))
+    middles = 0.5 * np.abs(offset[:, :-1] + offset[:, 1:])  # of equally long pieces of boundary
+    return np.asarray(np.sqrt((middles**2).mean(axis=1)) if settings.variance == "rms" else middles.mean(axis=1))
 
 
 def inward_directions(

@@ -27,9 +27,14 @@ class Funnel:
 
     def count(self, stage: str, kept: int, reason: str) -> None:
         """Note that a stage kept `kept` candidates; `reason` explains none."""
-        self.stages.append(Stage(stage, kept))
         if kept == 0:
-            raise NothingLeft(Rejection(stage, reason))
+            raise self.nothing(stage, reason)
+        self.stages.append(Stage(stage, kept))
+
+    def nothing(self, stage: str, reason: str) -> NothingLeft:
+        """Note that a stage kept nothing; returns the ending to raise."""
+        self.stages.append(Stage(stage, 0))
+        return NothingLeft(Rejection(stage, reason))
 
     def at_most(
         self, stage: str, pairs: GraspCandidates, values: FloatArray, limit: float, miss: Callable[[float], str]

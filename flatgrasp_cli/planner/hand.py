@@ -7,15 +7,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
-from flatgrasp_cli.geometry.polygon import clip_to_strips, cross, dot, left_normal, next_vertices
+from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
+from flatgrasp_cli.geometry.polygon import clip_to_strip, cross, dot, inside_below, left_normal, next_vertices
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates, Silhouette
 from flatgrasp_cli.planner.funnel import Funnel
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import HandSettings
 
 SINK_M = 0.002
-"""A pad may come to rest this much, and half its width, below the highest point of its stretch of boundary."""
+"""A pad may come to rest this far, and half its width, below the highest point of its stretch of boundary."""
 MAX_CELLS = 30_000
 """Pairs × edges worked on at once: as much as stays in a processor's cache."""
 
@@ -48,6 +48,16 @@ def closing_axes(fingers: FingerCandidates, pairs: GraspCandidates, method: str)
     axis = fingers.direction[pairs.i] - fingers.direction[pairs.j]
     length = np.linalg.norm(axis, axis=1, keepdims=True)
     return replace(pairs, axis=np.where(length > 1e-9, axis / np.maximum(length, 1e-9), pairs.axis))
+
+
+def on_pads(fingers: FingerCandidates, pairs: GraspCandidates, gripper: Gripper, funnel: Funnel) -> GraspCandidates:
+    """The pairs whose contacts both lie under the pads: on the bisector they lie aside, each its own way."""
+    aside = 0.5 * np.abs(cross(pairs.axis, fingers.contact[pairs.j] - fingers.contact[pairs.i]))
+    beside_pad = (aside - _half_widths(gripper)).max(axis=0)
+    kept = funnel.at_most(
+        "pads", pairs, beside_pad, 0.0, lambda value: f"in the best pair a contact lies {value:.3f} m beside its pad"
+    )
+    return pairs.select(kept)
 
 
 def in_range(
@@ -100,8 +110,9 @@ def operable(
     fit_of = swept_fit if settings.operability == "swept" else eq2_fit
     fit = fit_of(outline, fingers, pairs, gripper, settings.contact_tolerance_m)
     need = gripper.finger_thickness_m + settings.clearance_m
-    too_wide = fit.width + 2 * settings.clearance_m - gripper.max_opening_m  # the exact width may exceed B.3's
-    shortage = np.maximum(need - fit.room.min(axis=0), np.where(too_wide > 0, np.inf, -np.inf))
+    # B.3 judged by each candidate's own stretch of boundary; the exact width may still differ.
+    fits = (fit.width >= gripper.min_opening_m) & (fit.width <= gripper.max_opening_m - 2 * settings.clearance_m)
+    shortage = np.where(fits, need - fit.room.min(axis=0), np.inf)
     kept = funnel.at_most(
         "operability",
         pairs,
@@ -157,19 +168,14 @@ def swept_fit(
         axis, middle = pairs.axis[part], _middles(fingers, pairs)[part]
         x, y = _to_hand(vertices, middle, left_normal(axis), axis)
         for side, outward in ((0, -y), (1, y)):
-            edge = (x, outward), (x[following], outward[following])
-            pads[side, part], room[side, part] = _jaw_fit(edge, level[side, part], gripper, side)
-    return Fit(pads, np.where(_under_pads(fingers, pairs, gripper, level - pads), room, 0.0))
+            jaw = gripper.jaws[side], gripper.finger_width_m
+            pads[side, part], room[side, part] = _jaw_fit(x, outward, following, level[side, part], jaw)
+    sunk = level - pads > SINK_M + _half_widths(gripper)  # it rests on something else than its candidate
+    return Fit(pads, np.where(sunk, 0.0, room))
 
 
-def _under_pads(fingers: FingerCandidates, pairs: GraspCandidates, gripper: Gripper, sunk: FloatArray) -> BoolArray:
-    """Whether each pad (2, p) rests on its own candidate: over the contact, and sunk in no deeper than half its width.
-
-    On the bisector the two contacts lie off the hand's middle by half their sideways distance, each its own way.
-    """
-    half = 0.5 * np.array([[gripper.jaw_width_m(0)], [gripper.jaw_width_m(1)]])
-    aside = 0.5 * np.abs(cross(pairs.axis, fingers.contact[pairs.j] - fingers.contact[pairs.i]))
-    return np.asarray((aside <= half) & (sunk <= half + SINK_M))
+def _half_widths(gripper: Gripper) -> FloatArray:
+    return 0.5 * np.array([[gripper.jaw_width_m(0)], [gripper.jaw_width_m(1)]])
 
 
 def _to_hand(
@@ -186,19 +192,21 @@ def _chunks(pairs: int, others: int) -> Iterator[slice]:
 
 
 def _jaw_fit(
-    edge: tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]],
-    level: FloatArray,
-    gripper: Gripper,
-    side: int,
+    x: FloatArray, y: FloatArray, following: IntArray, level: FloatArray, jaw: tuple[tuple[float, ...], float]
 ) -> tuple[FloatArray, FloatArray]:
-    """Pad distance and room (p,) of one jaw: `edge` holds x, y (e, p) of the outline's edge ends, +y out to that jaw."""
+    """Pad distance and room (p,) of one jaw, its fingers' offsets and width given.
+
+    `x` and `y` (n, p) are the outline's vertices in the pairs' frames, +y out to the jaw; a pad may rest on boundary up
+    to `level` (p,).
+    """
+    offsets, width = jaw
     pad, obstacle = np.full(len(level), -np.inf), np.full(len(level), np.inf)
-    half = gripper.finger_width_m / 2
-    for offset in gripper.jaws[side]:
-        lowest, highest = clip_to_strips(*edge, offset - half, offset + half)
+    for offset in offsets:
+        lowest, highest = clip_to_strip(x, y, following, offset - width / 2, offset + width / 2)
         beyond = highest > level
         pad = np.maximum(pad, np.where(beyond, -np.inf, highest).max(axis=0))
         obstacle = np.minimum(obstacle, np.where(beyond, lowest, np.inf).min(axis=0))
+        obstacle[(obstacle < level) | inside_below(x, y, following, offset, level)] = -np.inf
     touches = np.isfinite(pad)
     pad = np.where(touches, pad, 0.0)
     return pad, np.where(touches, np.maximum(obstacle - pad, 0.0), 0.0)

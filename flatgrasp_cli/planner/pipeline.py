@@ -22,7 +22,7 @@ from flatgrasp_cli.planner.balance import force_balance, force_balanced, torque_
 from flatgrasp_cli.planner.fingers import finger_candidates, inward_directions, step_points
 from flatgrasp_cli.planner.funnel import Funnel, NothingLeft
 from flatgrasp_cli.planner.gravity import RankingCost, best_first, ranking_cost
-from flatgrasp_cli.planner.hand import Fit, centers, closing_axes, flat, in_range, openings, operable
+from flatgrasp_cli.planner.hand import Fit, centers, closing_axes, flat, in_range, on_pads, openings, operable
 from flatgrasp_cli.planner.main_plane import oriented_box
 from flatgrasp_cli.planner.silhouette import silhouette
 from flatgrasp_cli.profiles.gripper import Gripper
@@ -50,7 +50,7 @@ def _section_three(
     # A.1 the oriented bounding box and its main plane; A.2 the silhouette
     box = trace.box = oriented_box(cloud.points, cloud.viewpoint, settings.main_plane.method)
     if box is None:
-        raise NothingLeft(Rejection("main_plane", _no_plane(cloud.points)))
+        raise funnel.nothing("main_plane", _no_plane(cloud.points))
     outline = trace.silhouette = silhouette(cloud.points, box, settings.silhouette)
     funnel.count("silhouette", len(outline.loops), "the points are too scattered for an outline")
 
@@ -70,6 +70,7 @@ def _section_three(
 
     # B.3 grasping range; B.4 variance; B.5 operability
     pairs = closing_axes(fingers, pairs, settings.hand.closing_axis)
+    pairs = on_pads(fingers, pairs, gripper, funnel)
     pairs = in_range(fingers, pairs, gripper, settings.hand, funnel)
     pairs = flat(fingers, pairs, settings.hand, funnel)
     pairs, fit = operable(outline, fingers, pairs, (gripper, settings.hand), funnel)

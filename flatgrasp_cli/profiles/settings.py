@@ -44,6 +44,8 @@ class FingerSettings(Profile):
     """Step points lie `step_m` apart in a straight line (eq. 1), or along the boundary."""
     step_m: PositiveLength | None
     """The paper's r; None: a 300th of the perimeter, 2 to 5 mm."""
+    arc_ratio_max: Annotated[float, Field(gt=1)] | None
+    """Longest boundary under a chord, in chords: beyond it the boundary folds around a thin part. None: any."""
     walk: Literal["cyclic", "open"]
     """Whether the boundary goes on past its last point (the paper's Ω does not)."""
     direction: Literal["signed_area", "random_rays"]

@@ -33,7 +33,7 @@ from flatgrasp_cli.results.figures.style import (
 )
 
 MAX_PAIRS = 250
-PAIR_STAGES = ("force_balance", "torque_balance", "grasping_range", "variance", "operability", "palm")
+PAIR_STAGES = ("force_balance", "torque_balance", "pads", "grasping_range", "variance", "operability", "palm")
 
 
 def stage_figures(plan: Plan) -> Iterator[tuple[str, Figure]]:

@@ -1,0 +1,133 @@
+"""§III.A.3 on loops whose step points, chords and directions are known."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.frames import Frame
+from flatgrasp_cli.model import Silhouette
+from flatgrasp_cli.planner.fingers import finger_candidates, inward_directions, step_points
+from flatgrasp_cli.profiles import Gripper, PlannerSettings, load_settings
+from flatgrasp_cli.profiles.settings import FingerSettings
+
+SQUARE = 0.1 * np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
+HOLE = np.array([[0.02, 0.02], [0.02, 0.08], [0.08, 0.08], [0.08, 0.02]])
+SLOT = 0.1 * np.array([[0.0, 0], [1, 0], [1, 1], [0.55, 1], [0.55, 0.3], [0.45, 0.3], [0.45, 1], [0, 1]])
+
+
+def outline(*loops: FloatArray) -> Silhouette:
+    frame = Frame(np.zeros(3), np.eye(3))
+    points = np.concatenate(loops)
+    return Silhouette(frame, loops, points, np.zeros(len(points)), 0.003, 1.0)
+
+
+def finger_settings(**changes: object) -> FingerSettings:
+    return load_settings().fingers.model_copy(update={"step_m": 0.01, "arc_ratio_max": None, **changes})
+
+
+@pytest.mark.parametrize("step", ["chord", "arc_length"])
+def test_a_square_of_40_cm_has_40_step_points_a_centimetre_apart(step: str) -> None:
+    steps = step_points(outline(SQUARE), finger_settings(step=step))
+    assert len(steps[0].points) == 40
+    assert np.linalg.norm(np.diff(steps[0].points, axis=0), axis=1) == pytest.approx(np.full(39, 0.01))
+
+
+def test_inner_loops_have_step_points_of_their_own() -> None:
+    steps = step_points(outline(SQUARE, HOLE), finger_settings())
+    assert [step.loop for step in steps] == [0, 1]
+    assert len(steps[1].points) == 24
+
+
+def test_candidates_are_chords_as_wide_as_the_finger_all_around(pr2: Gripper) -> None:
+    silhouette = outline(SQUARE)
+    fingers = finger_candidates(silhouette, step_points(silhouette, finger_settings()), pr2, finger_settings())
+    assert len(fingers) == 40
+    assert np.linalg.norm(fingers.end - fingers.start, axis=1) == pytest.approx(np.full(40, pr2.finger_width_m))
+    assert fingers.contact == pytest.approx(0.5 * (fingers.start + fingers.end))
+
+
+def test_the_papers_boundary_ends_at_its_last_point(pr2: Gripper) -> None:
+    """Ω does not wrap: the last finger width of the loop starts no candidate, the cyclic walk loses none."""
+    silhouette, literal = outline(SQUARE), finger_settings(walk="open")
+    fingers = finger_candidates(silhouette, step_points(silhouette, literal), pr2, literal)
+    assert len(fingers) == 40 - 2
+
+
+def test_a_thumb_and_a_pair_get_candidates_of_their_own_width(lacquey: Gripper) -> None:
+    silhouette = outline(SQUARE)
+    fingers = finger_candidates(silhouette, step_points(silhouette, finger_settings()), lacquey, finger_settings())
+    assert fingers.width[fingers.jaw == 0] == pytest.approx(np.full(40, 0.010))
+    assert fingers.width[fingers.jaw == 1] == pytest.approx(np.full(40, 0.0502))
+
+
+@pytest.mark.parametrize("method", ["signed_area", "random_rays"])
+def test_directions_point_into_the_object(method: str, pr2: Gripper) -> None:
+    silhouette, settings = outline(SQUARE), finger_settings(direction=method, delta_m=0.001)
+    chords = finger_candidates(silhouette, step_points(silhouette, settings), pr2, settings)
+    fingers, doubted = inward_directions(silhouette, chords, settings, seed=1)
+    assert doubted == 0
+    toward_middle = (np.array([0.05, 0.05]) - fingers.contact) * fingers.direction
+    assert (toward_middle.sum(axis=1) > 0).all()
+
+
+def test_directions_at_a_hole_point_into_the_material(pr2: Gripper) -> None:
+    silhouette, settings = outline(SQUARE, HOLE), finger_settings()
+    chords = finger_candidates(silhouette, step_points(silhouette, settings), pr2, settings)
+    fingers, _ = inward_directions(silhouette, chords, settings, seed=1)
+    inner = fingers.loop == 1
+    away = (fingers.contact[inner] - np.array([0.05, 0.05])) * fingers.direction[inner]
+    assert inner.any()
+    assert (away.sum(axis=1) > 0).all()
+
+
+def test_the_rays_find_the_inside_of_a_loop_walked_backwards(pr2: Gripper) -> None:
+    """The paper's search needs no orientation: on a clockwise loop it turns all directions over."""
+    backwards, settings = outline(SQUARE[::-1]), finger_settings(direction="random_rays", delta_m=0.001)
+    chords = finger_candidates(backwards, step_points(backwards, settings), pr2, settings)
+    fingers, _ = inward_directions(backwards, chords, settings, seed=1)
+    toward_middle = (np.array([0.05, 0.05]) - fingers.contact) * fingers.direction
+    assert (toward_middle.sum(axis=1) > 0).all()
+
+
+def test_a_chord_over_the_mouth_of_a_slot_is_doubted_and_dropped(pr2: Gripper) -> None:
+    silhouette, settings = outline(SLOT), finger_settings(step_m=0.002)
+    chords = finger_candidates(silhouette, step_points(silhouette, settings), pr2, settings)
+    fingers, doubted = inward_directions(silhouette, chords, settings, seed=1)
+    assert doubted == len(chords) - len(fingers) > 0
+    over_mouth = (np.abs(fingers.contact[:, 0] - 0.05) < 0.004) & (fingers.contact[:, 1] > 0.09)
+    assert not over_mouth.any()
+
+
+@pytest.mark.parametrize(
+    ("variance", "expected"), [("mean", 0.0044), ("max", 0.0088), ("rms", 0.0051)], ids=["mean", "max", "rms"]
+)
+def test_variance_over_a_corner(variance: str, expected: float, pr2: Gripper) -> None:
+    """A chord c over a right corner cut at 45°: the boundary is a triangle of height c/2 over it."""
+    settings = finger_settings(variance=variance)
+    width = 2 * 0.0088
+    gripper = pr2.model_copy(update={"finger_width_m": width})
+    silhouette = outline(SQUARE)
+    start = 0.1 - width / np.sqrt(2)
+    steps = step_points(silhouette, settings)[0]
+    one = replace(steps, positions=np.array([start]), points=np.array([[start, 0.0]]))
+    fingers = finger_candidates(silhouette, [one], gripper, settings)
+    assert fingers.variance[0] == pytest.approx(expected, rel=0.04)
+    assert fingers.arc_ratio[0] == pytest.approx(np.sqrt(2), rel=1e-6)
+
+
+def test_the_papers_variance_is_the_plain_sum_over_hull_points(pr2: Gripper) -> None:
+    """One hull point, the corner, lies under the chord: the sum is its distance."""
+    literal: PlannerSettings = load_settings("paper")
+    settings = literal.fingers.model_copy(update={"step_m": 0.01})
+    silhouette = outline(SQUARE)
+    fingers = finger_candidates(silhouette, step_points(silhouette, settings), pr2, settings)
+    over_corner = np.flatnonzero(np.isclose(fingers.start[:, 0], 0.09) & np.isclose(fingers.start[:, 1], 0.0))[0]
+    chord = fingers.end[over_corner] - fingers.start[over_corner]
+    to_corner = np.array([0.1, 0.0]) - fingers.start[over_corner]
+    height = abs(chord[0] * to_corner[1] - chord[1] * to_corner[0]) / np.linalg.norm(chord)
+    assert fingers.variance[over_corner] == pytest.approx(height)
+    assert fingers.variance[0] == 0.0

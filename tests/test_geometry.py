@@ -1,0 +1,181 @@
+"""Geometry against shapely, scipy and brute force."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial import Delaunay
+from scipy.spatial.transform import Rotation
+
+from flatgrasp_cli.geometry import polygon
+from flatgrasp_cli.geometry.alpha_shape import CellGrid, alpha_region, small_triangles
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.frames import Frame, quaternion_from_axes
+from flatgrasp_cli.geometry.rectangle import minimum_area_axis
+
+seeds = st.integers(0, 2**32 - 1)
+
+
+def star(seed: int, corners: int = 12) -> FloatArray:
+    """A simple, non-convex, counter-clockwise loop about the origin."""
+    rng = np.random.default_rng(seed)
+    angles = np.linspace(0, 2 * np.pi, corners, endpoint=False)
+    return np.column_stack([np.cos(angles), np.sin(angles)]) * rng.uniform(0.4, 1.0, (corners, 1))
+
+
+def holed(seed: int) -> tuple[tuple[FloatArray, FloatArray], shapely.Polygon]:
+    """A star with a hole, as loops and as a shapely polygon."""
+    outer, inner = star(seed), 0.3 * star(seed + 1)[::-1]
+    return (outer, inner), shapely.Polygon(outer, [inner])
+
+
+@given(seeds)
+def test_area_and_centroid_agree_with_shapely(seed: int) -> None:
+    loops, shape = holed(seed)
+    assert sum(polygon.signed_area(loop) for loop in loops) == pytest.approx(shape.area)
+    assert polygon.area_centroid(loops) == pytest.approx(shapely.get_coordinates(shape.centroid)[0])
+
+
+@given(seeds)
+def test_contains_agrees_with_shapely(seed: int) -> None:
+    loops, shape = holed(seed)
+    points = np.random.default_rng(seed).uniform(-1, 1, (50, 2))
+    assert polygon.contains(loops, points).tolist() == shapely.contains_xy(shape, points).tolist()
+
+
+def test_a_ray_through_vertices_counts_once() -> None:
+    diamond = np.array([[1.0, 0], [0, 1], [-1, 0], [0, -1]])
+    points = np.array([[0.0, 0.0], [-2.0, 0.0], [-0.5, 0.0], [-2.0, 1.0]])
+    assert polygon.contains([diamond], points).tolist() == [True, False, True, False]
+
+
+@given(seeds)
+def test_share_inside_agrees_with_shapely(seed: int) -> None:
+    loops, shape = holed(seed)
+    ends = np.random.default_rng(seed).uniform(-1, 1, (20, 2, 2))
+    lines = shapely.linestrings(ends)
+    expected = shapely.length(shapely.intersection(lines, shape)) / shapely.length(lines)
+    assert polygon.share_inside(loops, ends[:, 0], ends[:, 1]) == pytest.approx(expected, abs=3e-4)
+
+
+def test_share_inside_of_a_chord_from_edge_to_edge_is_whole() -> None:
+    square = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
+    assert polygon.share_inside([square], np.array([[0.0, 0.5]]), np.array([[1.0, 0.5]])) == pytest.approx([1.0])
+
+
+@given(seeds, st.floats(0.05, 1.5))
+def test_circle_exit_is_the_first_point_that_far_away(seed: int, radius: float) -> None:
+    loop = star(seed)
+    perimeter = polygon.arc_positions(loop)[-1]
+    begin = float(np.random.default_rng(seed).uniform(0, perimeter))
+    exit_at = polygon.circle_exits(loop, np.array([begin]), radius)[0]
+    walk = np.linspace(begin, begin + perimeter, 4001)
+    away = np.linalg.norm(polygon.points_at(loop, walk) - polygon.points_at(loop, np.array([begin])), axis=1)
+    if np.isnan(exit_at):
+        assert away.max() <= radius + 1e-9
+    else:
+        assert away[walk < exit_at].max() <= radius + 1e-9
+        reached = polygon.points_at(loop, np.array([begin, exit_at]))
+        assert np.linalg.norm(reached[1] - reached[0]) == pytest.approx(radius)
+
+
+@given(seeds)
+def test_chord_walk_steps_are_all_of_one_length_but_the_last(seed: int) -> None:
+    loop = star(seed)
+    points = polygon.points_at(loop, polygon.chord_walk(loop, 0.1))
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    assert steps == pytest.approx(np.full(len(points) - 1, 0.1))
+    assert np.linalg.norm(points[0] - points[-1]) <= 0.1 + 1e-9
+
+
+@given(seeds)
+def test_rays_agree_with_the_crossing_number(seed: int) -> None:
+    loop, rng = star(seed), np.random.default_rng(seed)
+    angles = rng.uniform(0, 2 * np.pi, 25)
+    far = 5 * np.column_stack([np.cos(angles), np.sin(angles)])
+    for point in rng.uniform(-1, 1, (10, 2)):
+        assert polygon.ray_parity_inside(loop, point, far) == polygon.contains([loop], point[None])[0]
+
+
+def test_clip_to_strip_of_slanted_upright_and_missing_edges() -> None:
+    """The strip −1 ≤ x ≤ 1 and the edges (−2,0)–(2,4), (2,4)–(3,0), (0.5,1)–(0.5,3) and back, as open chains of two."""
+    x, y = np.array([[-2.0], [2.0], [0.5], [0.5]]), np.array([[0.0], [4.0], [1.0], [3.0]])
+    following = np.array([1, 0, 3, 2])
+    low, high = polygon.clip_to_strip(x, y, following, -1.0, 1.0)
+    assert low.ravel().tolist() == [1.0, 1.0, 1.0, 1.0]
+    assert high.ravel().tolist() == [3.0, 3.0, 3.0, 3.0]
+    low, high = polygon.clip_to_strip(x + 5, y, following, -1.0, 1.0)
+    assert low.ravel().tolist() == [np.inf] * 4
+    assert high.ravel().tolist() == [-np.inf] * 4
+
+
+@given(seeds)
+def test_inside_below_agrees_with_contains(seed: int) -> None:
+    loops, _ = holed(seed)
+    points = np.random.default_rng(seed).uniform(-1, 1, (40, 2))
+    vertices = np.concatenate(loops)
+    for point in points:
+        moved = vertices - [point[0], 0.0]
+        x, y = moved[:, :1], moved[:, 1:]
+        inside = polygon.inside_below(x, y, polygon.next_vertices(loops), 0.0, point[1:])
+        assert inside.tolist() == polygon.contains(loops, point[None]).tolist()
+
+
+@given(seeds, st.floats(0.06, 0.3))
+def test_alpha_region_is_nearly_the_union_of_all_small_triangles(seed: int, alpha: float) -> None:
+    """Against a triangulation of all points: the outlines are nearly one, and nowhere more than a cell apart."""
+    rng = np.random.default_rng(seed)
+    loop = star(seed)
+    points = rng.uniform(-1, 1, (6000, 2))
+    points = points[polygon.contains([loop], points)]
+    grid = CellGrid(points, alpha)
+    region = alpha_region(grid, np.ones(len(points), dtype=np.bool_))
+    triangles = points[Delaunay(points).simplices]
+    full = shapely.union_all(shapely.polygons(triangles[small_triangles(triangles, alpha)]))
+    largest = max(shapely.get_parts(full), key=lambda part: part.area)
+    assert region.symmetric_difference(largest).area <= 0.02 * largest.area
+    assert region.exterior.hausdorff_distance(largest.exterior) <= alpha
+
+
+def test_alpha_region_keeps_a_real_hole_and_fills_a_gap() -> None:
+    x, y = np.meshgrid(np.arange(-30.0, 31), np.arange(-30.0, 31))
+    points = np.column_stack([x.ravel(), y.ravel()])
+    away = np.hypot(*points.T)
+    gap = np.hypot(points[:, 0] - 20, points[:, 1] - 20) < 2
+    points = points[(away > 10) & ~gap]
+    region = alpha_region(CellGrid(points, 4.0), np.ones(len(points), dtype=np.bool_))
+    assert len(region.interiors) == 1
+    assert shapely.Polygon(region.interiors[0]).area == pytest.approx(np.pi * 10**2, rel=0.15)
+
+
+@given(st.floats(0, np.pi), seeds)
+def test_minimum_area_axis_finds_the_long_side(angle: float, seed: int) -> None:
+    points = np.random.default_rng(seed).uniform([-2, -1], [2, 1], (300, 2))
+    points = np.vstack([points, [[-2, -1], [2, -1], [2, 1], [-2, 1]]])
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    axis = minimum_area_axis(points @ turn.T)
+    assert abs(axis @ turn[:, 0]) == pytest.approx(1.0)
+
+
+@given(seeds)
+def test_quaternion_agrees_with_scipy(seed: int) -> None:
+    rotation = Rotation.random(random_state=seed % 2**31).as_matrix()
+    expected = Rotation.from_matrix(rotation).as_quat(canonical=True)
+    assert quaternion_from_axes(rotation.T) == pytest.approx(expected, abs=1e-9)
+
+
+@pytest.mark.parametrize("axis", ["x", "y", "z"])
+def test_quaternion_of_half_turns(axis: str) -> None:
+    matrix = Rotation.from_euler(axis, 180, degrees=True).as_matrix()
+    assert Rotation.from_quat(quaternion_from_axes(matrix.T)).as_matrix() == pytest.approx(matrix, abs=1e-12)
+
+
+@given(seeds)
+def test_frame_there_and_back(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    frame = Frame(rng.normal(size=3), Rotation.random(random_state=seed % 2**31).as_matrix())
+    points = rng.normal(size=(5, 3))
+    assert frame.to_world(frame.to_local(points)) == pytest.approx(points)

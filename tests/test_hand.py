@@ -1,0 +1,130 @@
+"""§III.B.3 to B.5: range, flatness and room, against shapely and against the paper's inequality written out."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.frames import Frame
+from flatgrasp_cli.geometry.polygon import left_normal
+from flatgrasp_cli.model import FingerCandidates, GraspCandidates, Silhouette
+from flatgrasp_cli.planner import balance, hand
+from flatgrasp_cli.planner.fingers import finger_candidates, inward_directions, step_points
+from flatgrasp_cli.profiles import Gripper, load_gripper, load_settings
+
+TOLERANCE_M = 0.002
+GRIPPERS = ("pr2", "lacquey")
+
+
+def bumpy(seed: int) -> Silhouette:
+    """A random non-convex outline about 8 cm across, with a hole."""
+    rng = np.random.default_rng(seed)
+    angles = np.linspace(0, 2 * np.pi, 40, endpoint=False)
+    circle = np.column_stack([np.cos(angles), np.sin(angles)])
+    radius = 0.04 * (1 + 0.35 * np.cos(rng.integers(2, 6) * angles + rng.uniform(0, 6)))
+    outer, inner = circle * radius[:, None], 0.012 * circle[::-1] + rng.uniform(-0.008, 0.008, 2)
+    return Silhouette(Frame(np.zeros(3), np.eye(3)), (outer, inner), outer, np.zeros(40), 0.003, 1.0)
+
+
+def pairs_on(outline: Silhouette, gripper: Gripper) -> tuple[FingerCandidates, GraspCandidates]:
+    """All force-balanced pairs, closing along their bisector."""
+    planner = load_settings().resolve(gripper)
+    chords = finger_candidates(outline, step_points(outline, planner.fingers), gripper, planner.fingers)
+    fingers, _ = inward_directions(outline, chords, planner.fingers, 0)
+    rows, columns = balance.opposing_candidates(fingers)
+    gamma = balance.force_balance(fingers)
+    allowed = balance.distinct(fingers, rows, columns) & balance.facing(fingers, rows, columns) & (gamma < 25)
+    row, column = np.nonzero(allowed)
+    pairs = balance.weigh(fingers, rows[row], columns[column], gamma[row, column])
+    return fingers, hand.closing_axes(fingers, pairs, "bisector")
+
+
+def finger_box(
+    gripper: Gripper, side: int, span: tuple[float, float], place: tuple[FloatArray, FloatArray]
+) -> shapely.Polygon:
+    """A jaw's fingers between two distances from the hand's middle, in the plane."""
+    origin, axis = place
+    across, out = left_normal(axis[None])[0], (-1, 1)[side] * axis
+    boxes = []
+    for offset in gripper.jaws[side]:
+        low, high = offset - gripper.finger_width_m / 2, offset + gripper.finger_width_m / 2
+        corners = [(low, span[0]), (high, span[0]), (high, span[1]), (low, span[1])]
+        boxes.append(shapely.Polygon([origin + x * across + y * out for x, y in corners]))
+    return shapely.union_all(boxes)
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.sampled_from(GRIPPERS))
+def test_the_room_behind_each_pad_is_free_and_no_larger(seed: int, name: str) -> None:
+    """Shapely finds nothing of the object in the room that swept_fit promises, and something just beyond it."""
+    outline, gripper = bumpy(seed), load_gripper(name)
+    fingers, pairs = pairs_on(outline, gripper)
+    fit = hand.swept_fit(outline, fingers, pairs, gripper, TOLERANCE_M)
+    solid = shapely.Polygon(outline.loops[0], [outline.loops[1]])
+    for k in np.random.default_rng(seed).permutation(len(pairs))[:12]:
+        middle = 0.5 * (fingers.contact[pairs.i[k]] + fingers.contact[pairs.j[k]])
+        for side in (0, 1):
+            pad, room = fit.pads[side, k], min(fit.room[side, k], 0.5)
+            if room < 1e-6:
+                continue
+            free = finger_box(gripper, side, (pad + 1e-6, pad + room - 1e-6), (middle, pairs.axis[k]))
+            assert solid.intersection(free).area < 1e-10
+            if np.isfinite(fit.room[side, k]):
+                beyond = finger_box(gripper, side, (pad + room, pad + room + 1e-4), (middle, pairs.axis[k]))
+                assert solid.intersects(beyond)
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.sampled_from(GRIPPERS))
+def test_eq2_is_the_papers_inequality(seed: int, name: str) -> None:
+    outline, gripper = bumpy(seed), load_gripper(name)
+    fingers, pairs = pairs_on(outline, gripper)
+    fit = hand.eq2_fit(outline, fingers, pairs, gripper, 0.0)
+    points = np.concatenate(outline.loops)
+    for k in np.random.default_rng(seed).permutation(len(pairs))[:12]:
+        middle = 0.5 * (fingers.contact[pairs.i[k]] + fingers.contact[pairs.j[k]])
+        x = (points - middle) @ left_normal(pairs.axis[k : k + 1])[0]
+        y = (points - middle) @ pairs.axis[k]
+        d, w_h, w_o = pairs.distance[k], gripper.hand_width_m, gripper.max_opening_m
+        collides = (np.abs(x) <= 0.5 * w_h) & (((-w_o <= y) & (y <= -0.5 * d)) | ((0.5 * d <= y) & (y <= w_o)))
+        assert bool(collides.any()) == (fit.room[:, k].min() == 0.0)
+
+
+def test_opening_leaves_the_wanted_space_but_not_beyond_room_or_hand(pr2: Gripper) -> None:
+    asked = load_settings().hand
+    pads = np.array([[0.020, 0.020, 0.044], [0.020, 0.020, 0.044]])
+    room = np.array([[np.inf, 0.014, np.inf], [np.inf, np.inf, np.inf]])
+    openings = hand.openings(hand.Fit(pads, room), pr2, asked)
+    assert openings == pytest.approx([0.040 + 2 * asked.preshape_m, 0.040 + 2 * (0.014 - 0.009), pr2.max_opening_m])
+
+
+def test_width_is_the_extent_under_the_pads_not_the_distance_of_the_midpoints(pr2: Gripper) -> None:
+    """On a disc of 30 mm radius, chords as wide as the finger lie √(30² − 11.2²) mm from the centre."""
+    angles = np.linspace(0, 2 * np.pi, 720, endpoint=False)
+    circle = 0.03 * np.column_stack([np.cos(angles), np.sin(angles)])
+    outline = Silhouette(Frame(np.zeros(3), np.eye(3)), (circle,), circle, np.zeros(720), 0.003, 1.0)
+    fingers, pairs = pairs_on(outline, pr2)
+    straight = pairs.required_friction < 0.01
+    assert straight.any()
+    assert pairs.distance[straight] == pytest.approx(2 * np.sqrt(0.03**2 - 0.0112**2), abs=1e-4)
+    assert hand.extents(fingers, pairs).sum(axis=0)[straight] == pytest.approx(0.06, abs=2e-4)
+
+
+def test_a_wide_pair_of_fingers_needs_its_own_room(lacquey: Gripper) -> None:
+    """Beside a wall that only one finger of the pair would hit, the pair has no room although the thumb has."""
+    loop = 1e-3 * np.array([[0.0, 0], [100, 0], [100, 40], [62, 40], [62, 60], [55, 60], [55, 40], [0, 40]])
+    outline = Silhouette(Frame(np.zeros(3), np.eye(3)), (loop,), loop, np.zeros(len(loop)), 0.003, 1.0)
+    fingers, pairs = pairs_on(outline, lacquey)
+    fit = hand.swept_fit(outline, fingers, pairs, lacquey, TOLERANCE_M)
+    middle_x = 0.5 * (fingers.contact[pairs.i] + fingers.contact[pairs.j])[:, 0]
+    upward = fingers.direction[pairs.j][:, 1] < -0.999
+    beside_wall, clear = upward & (np.abs(middle_x - 0.034) < 0.003), upward & (np.abs(middle_x - 0.027) < 0.002)
+    assert beside_wall.any()
+    assert clear.any()
+    assert fit.room[1, beside_wall].max() == 0
+    assert fit.room[0, beside_wall].max() == np.inf
+    assert fit.room[1, clear].max() == np.inf

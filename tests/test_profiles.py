@@ -1,0 +1,142 @@
+"""Profiles: what ships is sound, and faults are named with file, key, value and cure."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from pydantic import ValidationError
+
+from flatgrasp_cli import load_gripper, load_robot, load_settings
+from flatgrasp_cli.errors import ProfileError
+from flatgrasp_cli.profiles import Gripper, list_profiles, load_profile, profile_path
+from flatgrasp_cli.profiles.loading import problems_in
+
+GOOD = profile_path("gripper", "pr2").read_text(encoding="utf-8")
+
+
+def test_all_that_the_readme_promises_ship() -> None:
+    assert list_profiles("gripper") == [
+        "franka_hand",
+        "lacquey",
+        "onrobot_rg2",
+        "pr2",
+        "robotiq_2f_140",
+        "robotiq_2f_85",
+        "wsg_50",
+        "xarm_gripper",
+    ]
+    assert list_profiles("robot") == ["ur5", "ur5e"]
+    assert list_profiles("planner") == ["default", "paper"]
+
+
+@pytest.mark.parametrize("kind", ["gripper", "robot", "planner"])
+def test_every_shipped_profile_loads_under_its_own_name(kind: str) -> None:
+    for name in list_profiles(kind):
+        assert getattr(load_profile(profile_path(kind, name)), "name") == name  # noqa: B009
+
+
+def test_robots_are_data_of_six_joints() -> None:
+    assert load_robot("ur5").dh.a_m[1:3] == (-0.425, -0.39225)
+    assert load_robot("ur5e").dh.d_m[0] == 0.1625
+
+
+def test_a_profile_is_frozen() -> None:
+    with pytest.raises(ValidationError, match="frozen"):
+        load_gripper("pr2").max_opening_m = 1.0  # type: ignore[misc]
+
+
+def test_jaw_widths_of_a_thumb_and_a_pair() -> None:
+    hand = load_gripper("lacquey")
+    assert hand.jaw_width_m(0) == pytest.approx(0.010)
+    assert hand.jaw_width_m(1) == pytest.approx(0.0502)
+    assert not hand.symmetric
+    assert load_gripper("pr2").symmetric
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("max_opening_m: -0.09", ["max_opening_m", "-0.09", "greater than 0"]),
+        ("max_opening_m: 90", ["max_opening_m", "90", "less than or equal to 10"]),
+        ("max_opening_m: wide", ["max_opening_m", "'wide'", "number"]),
+        ("max_opening_m: .nan", ["max_opening_m", "nan", "finite"]),
+        ("max_openin_m: 0.09", ["max_openin_m", "unknown key", "'max_opening_m'"]),
+        ("kind: magnetic", ["kind", "'magnetic'", "'parallel'", "'arc'", "'underactuated'"]),
+        ("min_opening_m: 0.2\nmax_opening_m: 0.1", ["min_opening_m 0.2", "below", "max_opening_m 0.1"]),
+        ("name: a\nname: b", ["given twice", "'name'"]),
+        ("name: [", ["not valid YAML", "profile.yaml:"]),
+    ],
+    ids=["negative", "millimetres", "word", "nan", "typo", "choice", "crossed", "twice", "yaml"],
+)
+def test_a_fault_is_named_with_file_key_value_and_cure(line: str, words: list[str], tmp_path: Path) -> None:
+    keys = [each.split(":")[0] for each in line.splitlines()]
+    kept = [row for row in GOOD.splitlines() if row.split(":")[0] not in keys]
+    path = tmp_path / "profile.yaml"
+    path.write_text("\n".join([*kept, line]) + "\n", encoding="utf-8")
+    with pytest.raises(ProfileError) as caught:
+        load_gripper(str(path))
+    text = str(caught.value)
+    assert str(path) in text
+    assert len(text.splitlines()) <= 2
+    for word in words:
+        assert word in text
+
+
+def test_a_robot_is_not_a_gripper() -> None:
+    with pytest.raises(ProfileError, match=r"'robot'.*'gripper'"):
+        load_gripper(str(profile_path("robot", "ur5")))
+
+
+def test_an_unknown_name_suggests_the_near_one() -> None:
+    with pytest.raises(ProfileError, match="'laquey'; did you mean 'lacquey'"):
+        load_gripper("laquey")
+
+
+def test_a_missing_file_says_so() -> None:
+    with pytest.raises(ProfileError, match=r"nowhere\.yaml.*No such file"):
+        load_gripper("nowhere.yaml")
+
+
+def test_check_lists_every_fault(tmp_path: Path) -> None:
+    path = tmp_path / "two.yaml"
+    path.write_text(
+        GOOD.replace("max_opening_m: 0.090", "max_opening_m: -1").replace("palm_m", "plam_m"), encoding="utf-8"
+    )
+    problems = problems_in(path)
+    assert len(problems) == 3  # wrong, unknown, and missing
+    assert problems_in(profile_path("gripper", "pr2")) == []
+
+
+def test_the_command_line_beats_the_file() -> None:
+    settings = load_settings("default", ("fingers.step_m=0.004", "balance.friction=0.3"))
+    assert settings.fingers.step_m == 0.004
+    assert settings.balance.friction == 0.3
+
+
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        ("fingers.stepm=1", "'step_m'"),
+        ("finger.step_m=1", "'fingers'"),
+        ("fingers.step_m=-1", "greater than 0"),
+        ("fingers.step_m", "section.key=value"),
+        ("seed.x=1", "not a section"),
+    ],
+)
+def test_a_wrong_override_says_what_is_allowed(override: str, words: str) -> None:
+    with pytest.raises(ProfileError) as caught:
+        load_settings("default", (override,))
+    assert words in str(caught.value)
+    assert override.partition("=")[0] in str(caught.value)
+
+
+def test_thresholds_follow_from_friction() -> None:
+    """k = 0.5 leaves γ half of the friction cone: 2·0.5·atan 0.5 = 26.57°; torque is held against μ itself."""
+    hand: Gripper = load_gripper("pr2")
+    resolved = load_settings().resolve(hand).balance
+    assert resolved.friction == 0.5
+    assert resolved.force_balance_max_deg == pytest.approx(26.565, abs=1e-3)
+    assert resolved.torque_max == 0.5
+    other = load_settings("default", ("balance.torque=normalised",)).resolve(hand).balance
+    assert other.torque_max == pytest.approx(0.2236, abs=1e-3)  # sin(φ − γ/2)·cos(γ/2) at φ = γ = 26.57°

@@ -1,0 +1,121 @@
+"""The document, the figures and the samples."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+
+from flatgrasp_cli import load_gripper, load_settings, plan, read_clouds
+from flatgrasp_cli.geometry.polygon import signed_area
+from flatgrasp_cli.planning import Plan
+from flatgrasp_cli.results.document import json_schema, to_document, to_json
+from flatgrasp_cli.results.figures import final_figure, save_figure, stage_figures
+from flatgrasp_cli.results.figures.hand import finger_boxes, hand_in_plane
+from flatgrasp_cli.results.figures.style import RED
+from tests.conftest import SAMPLES, cloud_of, rectangle, sampled
+
+OBJECTS = ("teddy_bear", "electric_drill", "pistol", "spray_bottle", "pan", "hammer", "juice_box")
+PLATE = plan(cloud_of(sampled(rectangle(120, 40))), load_gripper("lacquey"))
+TOO_WIDE = plan(cloud_of(sampled(rectangle(200, 200), pitch_mm=2)), load_gripper("pr2"))
+NOTHING = plan(cloud_of(np.empty((0, 3))), load_gripper("pr2"))
+
+
+def sample(name: str, gripper: str, method: str = "default") -> Plan:
+    return plan(next(read_clouds(SAMPLES / f"{name}.pcd")), load_gripper(gripper), load_settings(method))
+
+
+@pytest.mark.parametrize("result", [PLATE, TOO_WIDE, NOTHING], ids=["grasps", "none", "no points"])
+def test_documents_meet_their_schema_and_hold_no_nan(result: Plan) -> None:
+    schema = json_schema()
+    Draft202012Validator.check_schema(schema)
+    text = to_json(to_document(result))
+    Draft202012Validator(schema).validate(json.loads(text))
+    assert not re.search(r"NaN|Infinity", text)
+
+
+def test_a_refusal_names_stage_value_and_limit() -> None:
+    document = to_document(TOO_WIDE)
+    assert document["status"] == "no_grasp"
+    miss = document["objects"][0]["nearest_miss"]
+    assert miss["stage"] == document["objects"][0]["funnel"][-1]["stage"] == "grasping_range"
+    assert miss["value"] == pytest.approx(0.2, abs=4e-3)
+    assert miss["limit"] == pytest.approx(0.086)
+
+
+def test_grasps_are_ranked_and_the_funnel_narrows() -> None:
+    item = to_document(PLATE)["objects"][0]
+    costs = [grasp["metrics"]["cost_m"] for grasp in item["grasps"]]
+    assert [grasp["rank"] for grasp in item["grasps"]] == list(range(1, 11))
+    assert costs == sorted(costs)
+    kept = [stage["kept"] for stage in item["funnel"] if stage["stage"] not in ("silhouette", "step_points")]
+    from_pairs = kept[2:]
+    assert from_pairs == sorted(from_pairs, reverse=True)
+
+
+def test_the_silhouettes_loops_are_counter_clockwise_with_clockwise_holes() -> None:
+    ring = sample("pan", "pr2").objects[0].trace.silhouette
+    assert ring is not None
+    assert signed_area(ring.loops[0]) > 0
+    assert len(ring.loops) > 1  # the hanging hole
+    assert all(signed_area(loop) < 0 for loop in ring.loops[1:])
+
+
+@pytest.mark.parametrize("name", OBJECTS)
+def test_the_papers_objects_are_grasped_with_the_papers_gripper(name: str) -> None:
+    assert sample(name, "lacquey").best is not None
+
+
+@pytest.mark.parametrize("name", ["electric_drill", "pistol", "spray_bottle", "hammer", "juice_box"])
+def test_the_paper_to_the_letter_grasps_what_stands_free(name: str) -> None:
+    """Eq. (2) forbids any boundary as wide as the palm up to w_o on each side: limbs and a pan's rim are there."""
+    assert sample(name, "lacquey", "paper").best is not None
+
+
+@pytest.mark.parametrize("name", OBJECTS)
+def test_the_papers_objects_are_grasped_with_one_finger_pair(name: str) -> None:
+    grasp = sample(name, "pr2").best
+    assert grasp is not None
+    assert grasp.required_friction < 0.5
+    assert grasp.width_m < 0.09
+
+
+def test_samples_are_small() -> None:
+    files = list(SAMPLES.glob("*.pcd"))
+    assert {path.stem for path in files} == {*OBJECTS, "pan_on_table"}
+    assert max(path.stat().st_size for path in files) < 150_000
+
+
+def test_the_final_figure_draws_the_grasp_where_it_is() -> None:
+    """The red line runs through the hand's origin along the closing axis, as long as the opening, in millimetres."""
+    grasp, outline = PLATE.best, PLATE.objects[0].trace.silhouette
+    assert grasp is not None
+    assert outline is not None
+    axes = final_figure(PLATE).axes[0]
+    line = next(each for each in axes.lines if each.get_label() == "final grasp")
+    assert line.get_color() == RED
+    ends = np.asarray(line.get_xydata())
+    origin, _, along = hand_in_plane(grasp, outline.frame)
+    assert ends.mean(axis=0) == pytest.approx(1e3 * origin, abs=1e-6)
+    assert ends[1] - ends[0] == pytest.approx(1e3 * grasp.opening_m * along, abs=1e-6)
+
+
+def test_finger_boxes_of_a_thumb_and_a_pair() -> None:
+    boxes = finger_boxes(load_gripper("lacquey"), 0.08)
+    assert boxes[0] == pytest.approx((-0.005, 0.005, -0.06, -0.04))
+    assert [box[2:] for box in boxes[1:]] == [pytest.approx((0.04, 0.06))] * 2
+
+
+@pytest.mark.parametrize(
+    ("result", "count"), [(PLATE, 17), (TOO_WIDE, 12), (NOTHING, 1)], ids=["grasps", "none", "empty"]
+)
+def test_stage_figures_go_as_far_as_the_method_went(result: Plan, count: int, tmp_path: Path) -> None:
+    names = [name for name, _ in stage_figures(result)]
+    assert len(names) == count
+    assert "08_funnel" in names
+    save_figure(final_figure(result), tmp_path / "final.png")
+    assert (tmp_path / "final.png").read_bytes().startswith(b"\x89PNG")
