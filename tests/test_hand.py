@@ -57,7 +57,7 @@ def finger_box(
     return shapely.union_all(boxes)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(st.integers(0, 2**32 - 1), st.sampled_from(GRIPPERS))
 def test_the_room_behind_each_pad_is_free_and_no_larger(seed: int, name: str) -> None:
     """Shapely finds nothing of the object in the room that swept_fit promises, and something just beyond it."""
@@ -78,7 +78,7 @@ def test_the_room_behind_each_pad_is_free_and_no_larger(seed: int, name: str) ->
                 assert solid.intersects(beyond)
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(st.integers(0, 2**32 - 1), st.sampled_from(GRIPPERS))
 def test_eq2_is_the_papers_inequality(seed: int, name: str) -> None:
     outline, gripper = bumpy(seed), load_gripper(name)

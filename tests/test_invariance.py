@@ -35,7 +35,7 @@ def assert_same_up_to(grasp: Grasp, other: Grasp, turn: Rotation, shift: FloatAr
     assert other.width_m == pytest.approx(grasp.width_m, abs=1 * MM)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(seeds, st.tuples(*[st.floats(-2, 2)] * 3))
 def test_a_moved_cloud_has_the_moved_grasp(seed: int, shift: tuple[float, float, float]) -> None:
     turn = Rotation.random(random_state=seed)
@@ -43,7 +43,7 @@ def test_a_moved_cloud_has_the_moved_grasp(seed: int, shift: tuple[float, float,
     assert_same_up_to(grasp_of(PLATE), moved, turn, np.array(shift))
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(seeds)
 def test_a_mirrored_cloud_has_the_mirrored_grasp(seed: int) -> None:
     mirror = np.diag([-1.0, 1.0, 1.0])
@@ -54,7 +54,7 @@ def test_a_mirrored_cloud_has_the_mirrored_grasp(seed: int) -> None:
     assert mirrored.gravity_distance_m < 2 * MM
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(seeds, st.floats(0.8, 2.0))
 def test_another_sampling_gives_the_same_grasp(seed: int, pitch_mm: float) -> None:
     again = grasp_of(sampled(rectangle(120, 40), pitch_mm, seed))

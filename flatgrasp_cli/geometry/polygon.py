@@ -6,7 +6,6 @@ lies to the left of the walk.
 
 from __future__ import annotations
 
-import bisect
 import math
 from collections.abc import Sequence
 
@@ -124,44 +123,38 @@ def circle_exits(loop: FloatArray, positions: FloatArray, radius: float) -> Floa
     disc is convex, so the first edge that leaves it is the first whose end lies outside. Answers lie ahead of
     `positions` by at most one perimeter and are not reduced modulo it; NaN where the loop never leaves the circle.
     """
-    walk = _Walk(loop)
-    return np.array([walk.exit(float(position), radius) for position in positions], dtype=np.float64)
+    arc, n = arc_positions(loop), len(loop)
+    centres = points_at(loop, positions)
+    outside = np.hypot(loop[:, 0] - centres[:, :1], loop[:, 1] - centres[:, 1:]) > radius
+    ahead = (np.searchsorted(arc, positions, side="right")[:, None] + np.arange(n)) % n  # vertices in order of walking
+    ahead_outside = np.take_along_axis(outside, ahead, axis=1)
+    end = ahead[np.arange(len(positions)), ahead_outside.argmax(axis=1)]
+    start = (end - 1) % n
+    unit = (loop[end] - loop[start]) / (arc[start + 1] - arc[start])[:, None]
+    to_centre = centres - loop[start]
+    along = dot(to_centre, unit) + np.sqrt(np.maximum(radius**2 - cross(to_centre, unit) ** 2, 0.0))
+    exits = positions + np.mod(arc[start] + along - positions, arc[-1])
+    return np.where(ahead_outside.any(axis=1), exits, np.nan)
 
 
 def chord_walk(loop: FloatArray, radius: float) -> FloatArray:
-    """Arc lengths (s,) of points met by stepping `radius` in a straight line from vertex 0 once around the loop."""
-    walk = _Walk(loop)
+    """Arc lengths (s,) of points met by stepping `radius` in a straight line from vertex 0 once around the loop.
+
+    Each step is an exit as in `circle_exits`, but the next starts where it ends: numbers one by one, so no numpy.
+    """
+    vertices: list[tuple[float, float]] = [(x, y) for x, y in [*loop.tolist(), loop[0].tolist()]]
+    arc: list[float] = arc_positions(loop).tolist()
     positions = [0.0]
-    while (following := walk.exit(positions[-1], radius)) < walk.arc[-1]:  # false for NaN, too
-        positions.append(following)
+    centre = vertices[0]
+    for (ax, ay), (bx, by), begin, end in zip(vertices, vertices[1:], arc, arc[1:], strict=False):
+        ux, uy = (bx - ax) / (end - begin), (by - ay) / (end - begin)
+        while math.hypot(bx - centre[0], by - centre[1]) > radius:
+            px, py = centre[0] - ax, centre[1] - ay
+            off = px * uy - py * ux
+            along = px * ux + py * uy + math.sqrt(max(radius * radius - off * off, 0.0))
+            positions.append(begin + along)
+            centre = (ax + along * ux, ay + along * uy)
     return np.array(positions)
-
-
-class _Walk:
-    """A loop as plain floats: stepping from edge to edge is sequential, and numpy is slow at single numbers."""
-
-    def __init__(self, loop: FloatArray) -> None:
-        self.vertices: list[tuple[float, float]] = [(x, y) for x, y in loop.tolist()]
-        self.arc: list[float] = arc_positions(loop).tolist()
-
-    def exit(self, position: float, radius: float) -> float:
-        """Arc length of the first exit from the circle around `position` (0 ≤ position < perimeter), or NaN."""
-        n = len(self.vertices)
-        first = bisect.bisect_right(self.arc, position) - 1
-        (ax, ay), (bx, by) = self.vertices[first], self.vertices[(first + 1) % n]
-        t = (position - self.arc[first]) / (self.arc[first + 1] - self.arc[first])
-        cx, cy = ax + t * (bx - ax), ay + t * (by - ay)
-        for edge in range(first, first + n + 1):
-            bx, by = self.vertices[(edge + 1) % n]
-            if math.hypot(bx - cx, by - cy) > radius:
-                ax, ay = self.vertices[edge % n]
-                length = self.arc[edge % n + 1] - self.arc[edge % n]
-                ux, uy = (bx - ax) / length, (by - ay) / length
-                middle = (cx - ax) * ux + (cy - ay) * uy
-                off = (cx - ax) * uy - (cy - ay) * ux
-                along = middle + math.sqrt(max(radius * radius - off * off, 0.0))
-                return self.arc[edge % n] + along + (edge // n) * self.arc[-1]
-        return math.nan
 
 
 def clip_to_strip(

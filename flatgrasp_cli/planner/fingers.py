@@ -14,7 +14,7 @@ from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import FingerSettings
 
 STEPS_PER_PERIMETER = 200
-STEP_RANGE_M = (0.002, 0.005)
+STEP_RANGE_M = (0.002, 0.006)
 ARC_SAMPLES = 17
 EITHER_JAW = -1
 

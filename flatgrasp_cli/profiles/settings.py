@@ -43,7 +43,7 @@ class FingerSettings(Profile):
     step: Literal["chord", "arc_length"]
     """Step points lie `step_m` apart in a straight line (eq. 1), or along the boundary."""
     step_m: PositiveLength | None
-    """The paper's r; None: a 300th of the perimeter, 2 to 5 mm."""
+    """The paper's r; None: a 200th of the perimeter, 2 to 6 mm."""
     arc_ratio_max: Annotated[float, Field(gt=1)] | None
     """Longest boundary under a chord, in chords: beyond it the boundary folds around a thin part. None: any."""
     walk: Literal["cyclic", "open"]
