@@ -10,7 +10,9 @@ import importlib
 import logging
 import os
 import sys
-from typing import NoReturn
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, NoReturn
 
 import click
 
@@ -23,6 +25,19 @@ COMMANDS = {
     "schema": "Print the JSON Schema of the documents that plan writes.",
 }
 INTERRUPTED = 130
+STDOUT = 1
+
+
+class _ReaderLeftError(Exception):
+    """The reader of a pipe has seen enough. Nothing is wrong, but click would end with 1."""
+
+
+@contextmanager
+def _leaving_reader() -> Iterator[None]:
+    try:
+        yield
+    except BrokenPipeError as error:
+        raise _ReaderLeftError from error
 
 
 class _LazyGroup(click.Group):
@@ -36,6 +51,14 @@ class _LazyGroup(click.Group):
             return None
         command: click.Command = importlib.import_module(f"flatgrasp_cli.cli.{cmd_name}").command
         return command
+
+    def make_context(self, *args: Any, **kwargs: Any) -> click.Context:
+        with _leaving_reader():
+            return super().make_context(*args, **kwargs)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        with _leaving_reader():
+            return super().invoke(ctx)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
         with formatter.section("Commands"):
@@ -67,7 +90,7 @@ def main() -> NoReturn:
     except (click.Abort, KeyboardInterrupt):
         click.echo("flatgrasp: interrupted", err=True)
         code = INTERRUPTED
-    except BrokenPipeError:  # the reader of the pipe left: nothing is wrong
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except (_ReaderLeftError, BrokenPipeError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), STDOUT)  # keeps Python from flushing into the pipe at exit
         code = 0
     sys.exit(code if isinstance(code, int) else 0)

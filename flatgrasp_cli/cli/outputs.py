@@ -54,7 +54,9 @@ class Outputs:
         from flatgrasp_cli.results.table import grasp_table
 
         console = Console(width=None if sys.stdout.isatty() else 120)
-        console.print(grasp_table(plan))
+        with console.capture() as text:  # rich would end the process with 1 when the reader of a pipe leaves
+            console.print(grasp_table(plan))
+        click.echo(text.get(), nl=False)
 
     def _draw(self, plan: Plan, folder: Path, stem: str) -> None:
         if self._plots == "none":

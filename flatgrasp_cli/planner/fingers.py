@@ -15,14 +15,21 @@ from flatgrasp_cli.profiles.settings import FingerSettings
 
 STEPS_PER_PERIMETER = 200
 STEP_RANGE_M = (0.002, 0.006)
+MAX_DERIVED_STEPS, MAX_STEPS = 600, 3000
 ARC_SAMPLES = 17
 EITHER_JAW = -1
 
 
 def step_points(silhouette: Silhouette, settings: FingerSettings) -> tuple[StepPoints, ...]:
-    """§III.A.3.1: points a step r apart along each loop, by eq. (1) or by arc length."""
-    perimeter = polygon.arc_positions(silhouette.loops[0])[-1]
-    step_m = settings.step_m or float(np.clip(perimeter / STEPS_PER_PERIMETER, *STEP_RANGE_M))
+    """§III.A.3.1: points a step r apart along each loop, by eq. (1) or by arc length.
+
+    r is as set, or a share of the outer loop; never so small that the loops have more than `MAX_STEPS` step points, for
+    the pairs of candidates grow with their square.
+    """
+    perimeters = [float(polygon.arc_positions(loop)[-1]) for loop in silhouette.loops]
+    derived = float(np.clip(perimeters[0] / STEPS_PER_PERIMETER, *STEP_RANGE_M))
+    most = MAX_STEPS if settings.step_m else MAX_DERIVED_STEPS
+    step_m = max(settings.step_m or derived, sum(perimeters) / most)
     return tuple(_steps_of_loop(index, loop, step_m, settings) for index, loop in enumerate(silhouette.loops))
 
 

@@ -50,7 +50,7 @@ def ranking_cost(
     share = share_inside(outline.loops, fingers.contact[pairs.i], fingers.contact[pairs.j])
     friction = np.minimum(pairs.required_friction, MOST_FRICTION)
     gap = settings.gap_weight * (1 - share) * pairs.distance
-    cost = distance + gap + settings.width_weight * width + settings.friction_weight_m * friction
+    cost = distance + gap + settings.width_weight * width + settings.friction_weight_m * friction**2
     return RankingCost(center, distance, share, cost)
 
 

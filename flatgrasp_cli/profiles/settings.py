@@ -104,7 +104,7 @@ class GravitySettings(Profile):
     width_weight: Weight
     """Cost of each metre of width."""
     friction_weight_m: Weight
-    """Cost of required friction 1."""
+    """Cost of required friction 1; of less in proportion to its square, so that a small slant costs nothing."""
 
 
 class PlannerSettings(Profile):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from pathlib import Path
 
 from matplotlib.figure import Figure
 
@@ -29,7 +30,7 @@ def final_figure(plan: Plan) -> Figure:
     """The cloud in the main plane with outline, hand, contacts and centre of gravity, and the numbers below."""
     figure = new_figure()
     item = plan.objects[0]
-    axes = plane_axes(figure, f"{plan.cloud.source.path} · {plan.gripper.name}")
+    axes = plane_axes(figure, f"{Path(plan.cloud.source.path).name} · {plan.gripper.name}")
     outline = item.trace.silhouette
     if outline is not None:
         draw_points(axes, outline)
