@@ -24,6 +24,10 @@ class RankingCost:
     inside_share: FloatArray
     cost: FloatArray
 
+    def select(self, keep: IntArray) -> RankingCost:
+        """The rows that `keep` names."""
+        return RankingCost(self.center, self.distance[keep], self.inside_share[keep], self.cost[keep])
+
 
 def gravity_center(silhouette: Silhouette, method: str) -> FloatArray:
     """Centre of gravity (2,) in the main plane.

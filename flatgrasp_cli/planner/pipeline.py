@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
@@ -80,43 +82,52 @@ def _section_three(
     order = best_first(pairs, ranking.cost)
     trace.gravity_center, trace.gravity_distance_m = ranking.center, ranking.distance[order]
     trace.ranked = np.column_stack([pairs.i, pairs.j])[order]
-    opening = openings(fit, gripper, settings.hand)
-    return tuple(
-        _grasp(rank, k, (outline, fingers), (pairs, fit, opening, ranking))
-        for rank, k in enumerate(order[:top], start=1)
-    )
+    best = order[:top]
+    hands = _Hands(pairs.select(best), fit.select(best), ranking.select(best))
+    return tuple(_grasp(k, outline, fingers, hands, (gripper, settings)) for k in range(len(best)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Hands:
+    """The final grasps, best first, as the stages left them."""
+
+    pairs: GraspCandidates
+    fit: Fit
+    ranking: RankingCost
 
 
 def _grasp(
-    rank: int,
     k: int,
-    places: tuple[Silhouette, FingerCandidates],
-    hands: tuple[GraspCandidates, Fit, FloatArray, RankingCost],
+    outline: Silhouette,
+    fingers: FingerCandidates,
+    hands: _Hands,
+    profile: tuple[Gripper, PlannerSettings],
 ) -> Grasp:
-    """The record of pair `k`, its fingertip frame at the box's mid-height, facing away from the sensor.
+    """The record of the k-th best pair, its fingertip frame at the box's mid-height, facing away from the sensor.
 
     Hand y is the closing axis and hand z = −normal, so hand x = y × z = normal × y: y turned left in the plane.
     """
-    (outline, fingers), (pairs, fit, opening, ranking) = places, hands
-    frame, i, j = outline.frame, int(pairs.i[k]), int(pairs.j[k])
-    axis = pairs.axis[k : k + 1]
-    hand_axes = np.concatenate([left_normal(axis) @ frame.axes[:2], axis @ frame.axes[:2], -frame.axes[2:]])
+    only = np.array([k])
+    pairs, fit, ranking = hands.pairs.select(only), hands.fit.select(only), hands.ranking.select(only)
+    frame, i, j = outline.frame, int(pairs.i[0]), int(pairs.j[0])
+    hand_axes = [left_normal(pairs.axis) @ frame.axes[:2], pairs.axis @ frame.axes[:2], -frame.axes[2:]]
+    gripper, settings = profile
     return Grasp(
-        rank=rank,
-        position=frame.to_world(centers(fingers, pairs, fit)[k]),
-        orientation=quaternion_from_axes(hand_axes),
-        opening_m=float(opening[k]),
-        width_m=float(fit.width[k]),
+        rank=k + 1,
+        position=frame.to_world(centers(fingers, pairs, fit)[0]),
+        orientation=quaternion_from_axes(np.concatenate(hand_axes)),
+        opening_m=openings(fit, gripper, settings.hand).item(),
+        width_m=fit.width.item(),
         contacts=frame.to_world(fingers.contact[[i, j]]),
         fingers=(i, j),
-        force_balance_deg=float(pairs.force_balance_deg[k]),
-        torque_arm_m=float(pairs.torque_arm_m[k]),
-        required_friction=float(pairs.required_friction[k]),
+        force_balance_deg=pairs.force_balance_deg.item(),
+        torque_arm_m=pairs.torque_arm_m.item(),
+        required_friction=pairs.required_friction.item(),
         variance_m=float(fingers.variance[i] + fingers.variance[j]),
-        gravity_distance_m=float(ranking.distance[k]),
-        inside_share=float(ranking.inside_share[k]),
+        gravity_distance_m=ranking.distance.item(),
+        inside_share=ranking.inside_share.item(),
         arc_ratio=float(fingers.arc_ratio[[i, j]].max()),
-        cost_m=float(ranking.cost[k]),
+        cost_m=ranking.cost.item(),
     )
 
 

@@ -7,18 +7,14 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from matplotlib.figure import Figure
 
-from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
-from flatgrasp_cli.geometry.frames import Frame
-from flatgrasp_cli.model import FingerCandidates, ObjectPlan, Silhouette
+from flatgrasp_cli.geometry.arrays import IntArray
+from flatgrasp_cli.model import FingerCandidates, ObjectPlan
 from flatgrasp_cli.planning import Plan
-from flatgrasp_cli.results.figures.hand import draw_hand
+from flatgrasp_cli.results.figures.solid import balance_surface, boxes, final_on_cloud, resultant
 from flatgrasp_cli.results.figures.style import (
-    BLACK,
     BLUE,
-    GREEN,
     GREY,
     MM,
-    ORANGE,
     PALE,
     PURPLE,
     RED,
@@ -29,59 +25,40 @@ from flatgrasp_cli.results.figures.style import (
     legend,
     new_figure,
     plane_axes,
-    thinned,
 )
 
 MAX_PAIRS = 250
-PAIR_STAGES = ("force_balance", "torque_balance", "pads", "grasping_range", "variance", "operability", "palm")
+PAIR_STAGES = {
+    "force_balance": "B.1",
+    "torque_balance": "B.2",
+    "pads": "B.3",
+    "grasping_range": "B.3",
+    "variance": "B.4",
+    "operability": "B.5",
+    "palm": "B.5",
+}
 
 
 def stage_figures(plan: Plan) -> Iterator[tuple[str, Figure]]:
     """Names and figures of the stages that the first object reached, in the method's order."""
     item = plan.objects[0]
     drawings: list[tuple[str, Callable[[Plan, ObjectPlan], Figure | None]]] = [
-        ("obb", _boxes),
+        ("obb", boxes),
         ("projection", _projection),
         ("step_points", _step_points),
         ("finger_candidates", _finger_candidates),
         ("grasping_directions", _directions),
         ("force_balance_image", _balance_image),
-        ("force_balance_surface", _balance_surface),
+        ("force_balance_surface", balance_surface),
         ("funnel", _funnel),
         *((stage, _pairs_of(stage)) for stage in PAIR_STAGES),
         ("gravity", _gravity),
-        ("final_grasp", _final_on_cloud),
+        ("final_grasp", final_on_cloud),
     ]
     for number, (name, draw) in enumerate(drawings, start=1):
         figure = draw(plan, item)
         if figure is not None:
             yield f"{number:02d}_{name}", figure
-
-
-def _boxes(plan: Plan, item: ObjectPlan) -> Figure | None:
-    """Fig. 3: the oriented and the axis-aligned bounding box."""
-    box = item.trace.box
-    if box is None:
-        return None
-    figure = new_figure()
-    axes = figure.add_subplot(projection="3d")
-    points = thinned(plan.cloud.points)
-    axes.scatter(*points.T, s=1, color=GREY, depthshade=False)
-    unit = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=np.float64)
-    _draw_box(axes, box.frame.to_world((unit - 0.5) * box.size), RED, "oriented box")
-    _draw_box(axes, box.aabb[0] + unit * np.ptp(box.aabb, axis=0), BLUE, "axis-aligned box")
-    for axis, color, name in zip(box.frame.axes, (ORANGE, GREEN, PURPLE), "xyz", strict=True):
-        axes.quiver(*box.frame.origin, *(0.4 * box.size.max() * axis), color=color, label=f"{name} axis")
-    _finish_3d(axes, "A.1 oriented bounding box and main plane")
-    return figure
-
-
-def _draw_box(axes: object, corners: FloatArray, color: str, name: str) -> None:
-    for a in range(8):
-        for bit in (1, 2, 4):
-            if not a & bit:
-                ends = corners[[a, a | bit]]
-                axes.plot(*ends.T, color=color, lw=1.2, label=name if (a, bit) == (0, 1) else None)  # type: ignore[attr-defined]
 
 
 def _projection(_: Plan, item: ObjectPlan) -> Figure | None:
@@ -149,38 +126,18 @@ def _directions(_: Plan, item: ObjectPlan) -> Figure | None:
     return figure
 
 
-def _resultant(item: ObjectPlan) -> FloatArray | None:
-    """|n_i + n_j| = 2·sin(γ/2) of every pair: 0 for the best, 2 for the worst."""
-    gamma = item.trace.force_balance_deg
-    return None if gamma is None else 2 * np.sin(np.radians(gamma) / 2)
-
-
 def _balance_image(_: Plan, item: ObjectPlan) -> Figure | None:
     """Fig. 13 (b): the resultant force of all pairs as an image."""
-    resultant = _resultant(item)
-    if resultant is None:
+    height = resultant(item)
+    if height is None:
         return None
     figure = new_figure()
     axes = figure.add_subplot()
-    image = axes.imshow(resultant, cmap="cividis", vmin=0, vmax=2, origin="lower", interpolation="nearest")
+    image = axes.imshow(height, cmap="cividis", vmin=0, vmax=2, origin="lower", interpolation="nearest")
     figure.colorbar(image, ax=axes, label="resultant of two unit forces, 2 sin(γ/2)")
     axes.set_xlabel("finger candidate j")
     axes.set_ylabel("finger candidate i")
     axes.set_title("B.1 force balance: dark pairs are balanced", loc="left", fontsize=11)
-    return figure
-
-
-def _balance_surface(_: Plan, item: ObjectPlan) -> Figure | None:
-    """Fig. 13 (a): the same as a surface."""
-    resultant = _resultant(item)
-    if resultant is None:
-        return None
-    figure = new_figure()
-    axes = figure.add_subplot(projection="3d")
-    j, i = np.meshgrid(np.arange(resultant.shape[1]), np.arange(resultant.shape[0]))
-    axes.plot_surface(i, j, resultant, cmap="cividis", vmin=0, vmax=2, rcount=120, ccount=120, linewidth=0)
-    axes.set(xlabel="candidate i", ylabel="candidate j", zlabel="2 sin(γ/2)")
-    axes.set_title("B.1 force balance", loc="left", fontsize=11)
     return figure
 
 
@@ -212,7 +169,9 @@ def _pairs_of(stage: str) -> Callable[[Plan, ObjectPlan], Figure | None]:
         kept = trace.survivors[stage]
         before = trace.survivors[order[order.index(stage) - 1]] if order.index(stage) else kept
         figure = new_figure()
-        axes = plane_axes(figure, f"B {stage.replace('_', ' ')}: kept {len(kept)} of {len(before)} pairs")
+        axes = plane_axes(
+            figure, f"{PAIR_STAGES[stage]} {stage.replace('_', ' ')}: kept {len(kept)} of {len(before)} pairs"
+        )
         draw_outline(axes, outline)
         _draw_pairs(
             axes, fingers, _difference(before, kept), "removed", {"colors": PALE, "linewidths": 0.5, "zorder": 3}
@@ -244,7 +203,7 @@ def _gravity(_: Plan, item: ObjectPlan) -> Figure | None:
     if trace.silhouette is None or trace.fingers is None or trace.ranked is None or trace.gravity_distance_m is None:
         return None
     figure = new_figure()
-    axes = plane_axes(figure, "C gravity: the line nearest to the centre of gravity is the final grasp")
+    axes = plane_axes(figure, "C gravity: the final grasp (bold), all others by gravity distance")
     draw_outline(axes, trace.silhouette)
     step = max(1, len(trace.ranked) // MAX_PAIRS)
     shown, distance = trace.ranked[::step][::-1], MM * trace.gravity_distance_m[::step][::-1]
@@ -260,45 +219,3 @@ def _gravity(_: Plan, item: ObjectPlan) -> Figure | None:
     if trace.gravity_center is not None:
         axes.plot(*(MM * trace.gravity_center), "P", color=PURPLE, ms=11, mec="white", zorder=6)
     return figure
-
-
-def _final_on_cloud(plan: Plan, item: ObjectPlan) -> Figure | None:
-    """Fig. 17 (b) and 18: the final grasp in the plane and on the cloud."""
-    outline = item.trace.silhouette
-    if outline is None or not item.grasps:
-        return None
-    figure = new_figure(12.0, 5.5)
-    axes = plane_axes(figure, "the final grasp", 121)
-    draw_outline(axes, outline)
-    draw_hand(axes, item.grasps[0], outline.frame, plan.gripper)
-    solid = figure.add_subplot(122, projection="3d")
-    points, near = _near_pads(item, outline)
-    solid.scatter(*thinned(points[~near]).T, s=1, color=PALE, depthshade=False)
-    solid.scatter(*thinned(points[near]).T, s=3, color=BLUE, depthshade=False, label="under the pads")
-    grasp = item.grasps[0]
-    solid.plot(*grasp.contacts.T, "o-", color=RED, lw=2, label="grasping line")
-    frame = Frame(grasp.position, outline.frame.axes)
-    approach = frame.to_world(np.array([[0.0, 0.0, 0.06], [0.0, 0.0, 0.0]]))
-    solid.plot(*approach.T, color=GREEN, lw=2, label="approach")
-    solid.scatter(*approach[1], color=BLACK, s=12)
-    _finish_3d(solid, "on the cloud")
-    return figure
-
-
-def _near_pads(item: ObjectPlan, outline: Silhouette) -> tuple[FloatArray, BoolArray]:
-    """The object's points, and which of them lie under the two finger candidates of the final grasp."""
-    fingers, grasp = item.trace.fingers, item.grasps[0]
-    near = np.zeros(len(outline.points), dtype=np.bool_)
-    if fingers is not None:
-        for k in grasp.fingers:
-            away = np.linalg.norm(outline.points - fingers.contact[k], axis=1)
-            near |= away < fingers.width[k] / 2
-    return item.object.points, near
-
-
-def _finish_3d(axes: object, title: str) -> None:
-    axes.set_title(title, loc="left", fontsize=11)  # type: ignore[attr-defined]
-    axes.set(xlabel="x (m)", ylabel="y (m)", zlabel="z (m)")  # type: ignore[attr-defined]
-    axes.set_aspect("equal")  # type: ignore[attr-defined]
-    axes.tick_params(labelsize=7)  # type: ignore[attr-defined]
-    axes.legend(fontsize=8, frameon=False)  # type: ignore[attr-defined]
