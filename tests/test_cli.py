@@ -312,7 +312,7 @@ def test_an_unreadable_source_spares_the_others(plate: Path, large: Path, tmp_pa
     done = run("plan", missing, plate, large, "--json")
     assert done.code == 3
     assert [each["source"]["path"] for each in documents(done.out)] == [str(plate), str(large)]
-    assert f"{missing}: no such file" in done.err
+    assert f"{missing}: cannot be read: No such file" in done.err
     assert f"{large}: no grasp" in done.err
 
 

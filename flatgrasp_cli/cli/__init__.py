@@ -17,7 +17,7 @@ from typing import Any, NoReturn
 import click
 
 from flatgrasp_cli import __version__
-from flatgrasp_cli.errors import FlatgraspError
+from flatgrasp_cli.errors import FlatgraspError, UsageError
 
 COMMANDS = {
     "plan": "Plan grasps on point clouds.",
@@ -74,13 +74,19 @@ def cli() -> None:
     """
 
 
+def _abandon_stdout() -> None:
+    """Keep Python from flushing into a broken stdout at exit."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), STDOUT)
+
+
 def main() -> NoReturn:
     """Run the command line as a process: errors become one or two lines on stderr and an exit code."""
     logging.basicConfig(format="flatgrasp: %(levelname)s: %(message)s", level=logging.WARNING, stream=sys.stderr)
     logging.addLevelName(logging.WARNING, "warning")
     try:
         code = cli.main(standalone_mode=False, prog_name="flatgrasp")
-        sys.stdout.flush()
+        if sys.stdout is not None:  # it is None when the shell closed it
+            sys.stdout.flush()
     except FlatgraspError as error:
         click.echo(f"flatgrasp: {error}", err=True)
         code = error.exit_code
@@ -91,6 +97,10 @@ def main() -> NoReturn:
         click.echo("flatgrasp: interrupted", err=True)
         code = INTERRUPTED
     except (_ReaderLeftError, BrokenPipeError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), STDOUT)  # keeps Python from flushing into the pipe at exit
+        _abandon_stdout()
         code = 0
+    except OSError as error:
+        _abandon_stdout()
+        click.echo(f"flatgrasp: the output cannot be written: {error.strerror or error}", err=True)
+        code = UsageError.exit_code
     sys.exit(code if isinstance(code, int) else 0)

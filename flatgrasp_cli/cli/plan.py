@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import sys
 import time
@@ -19,6 +20,12 @@ if TYPE_CHECKING:
     from flatgrasp_cli.model import Cloud
 
 NO_GRASP = 1
+
+
+def _positive(_context: click.Context, _parameter: click.Parameter, value: float) -> float:
+    if not 0 < value < math.inf:  # false for NaN, too
+        raise click.BadParameter(f"{value} is not a positive number")
+    return value
 
 
 @click.command("plan")
@@ -49,7 +56,8 @@ NO_GRASP = 1
 )
 @click.option(
     "--scale",
-    type=click.FloatRange(min=0, min_open=True),
+    type=float,
+    callback=_positive,
     default=1.0,
     show_default=True,
     help="Metres in one unit of the source; 0.001 for millimetres.",
@@ -115,7 +123,7 @@ def _timed(source: str, scale: float) -> Iterator[tuple[Cloud, float]]:
     """The clouds of a source with the milliseconds that reading each took."""
     from flatgrasp_cli.sources import read_clouds
 
-    if source == "-" and sys.stdin.isatty():
+    if source == "-" and sys.stdin is not None and sys.stdin.isatty():
         raise click.UsageError("'-' reads a cloud from standard input, which is a terminal; pipe a file into it")
     clouds = read_clouds(source, scale)
     while True:

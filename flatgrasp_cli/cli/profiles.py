@@ -53,11 +53,10 @@ def check_command(files: tuple[Path, ...]) -> int:
 
     code = 0
     for path in files:
-        problems = problems_in(path)
-        for problem in problems:
-            click.echo(f"{path}: {problem}", err=True)
-        if problems:
-            code = ProfileError.exit_code
-        else:
-            click.echo(f"{path}: ok")
+        try:
+            problems = [f"{path}: {problem}" for problem in problems_in(path)]
+        except ProfileError as error:
+            problems = [str(error)]
+        click.echo("\n".join(problems) or f"{path}: ok", err=bool(problems))
+        code = ProfileError.exit_code if problems else code
     return code

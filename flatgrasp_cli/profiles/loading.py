@@ -76,10 +76,14 @@ def load_settings(name_or_path: str = "default", overrides: tuple[str, ...] = ()
 def load_profile(path: Path) -> Profile:
     """Load a profile of any kind; its own `profile:` key says which."""
     data = _read_yaml(path)
+    return _validate(MODELS[_kind_of(data, path)], data, path)
+
+
+def _kind_of(data: dict[str, Any], path: Path) -> str:
     kind = data.get("profile")
-    if kind not in MODELS:
+    if not isinstance(kind, str) or kind not in MODELS:
         raise ProfileError(f"{path}: profile: {kind!r} is not a kind of profile; use one of {', '.join(MODELS)}")
-    return _validate(MODELS[kind], data, path)
+    return kind
 
 
 def _load(model: type[P], kind: str, name_or_path: str) -> P:
@@ -111,6 +115,8 @@ class _UniqueKeys(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignor
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         seen = set()
         for key_node, _ in node.value:
+            if not isinstance(key_node, yaml.ScalarNode):
+                continue  # a list as a key: the base class says so
             if key_node.value in seen:
                 raise yaml.constructor.ConstructorError(
                     None, None, f"key {key_node.value!r} is given twice", key_node.start_mark
@@ -151,13 +157,11 @@ def _validate(model: type[P], data: dict[str, Any], path: Path, overrides: str =
 def problems_in(path: Path) -> list[str]:
     """Every fault of a profile, a line each; empty when it is sound. Raises `ProfileError` when it is no profile."""
     data = _read_yaml(path)
-    kind = data.get("profile")
-    if kind not in MODELS:
-        return [f"profile: {kind!r} is not a kind of profile; use one of {', '.join(MODELS)}"]
+    model = MODELS[_kind_of(data, path)]
     try:
-        MODELS[kind].model_validate(data)
+        model.model_validate(data)
     except ValidationError as error:
-        return [_explain(MODELS[kind], problem) for problem in error.errors(include_url=False)]
+        return [_explain(model, problem) for problem in error.errors(include_url=False)]
     return []
 
 

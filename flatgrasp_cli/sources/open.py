@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.model import Cloud
 
 STDIN = "-"
+SNIFFED_BYTES = 65_536
 LARGEST_EXTENT_M = 20.0
 """No depth camera's cloud is wider than this in metres; one in millimetres is."""
 RECORDINGS = {b"\x89MCAP0\r\n": "an MCAP recording", b"#ROSBAG V2.0": "a ROS 1 bag"}
@@ -47,39 +49,48 @@ def read_clouds(source: str | os.PathLike[str], scale: float = 1.0) -> Iterator[
 def _read_file(path: Path, name: str) -> Cloud:
     from flatgrasp_cli.sources.pcd_ply import read_pcd, read_ply
 
-    try:
-        with path.open("rb") as file:
-            head = file.read(1024)
-            file.seek(0)
-            if not head:
-                raise SourceError(f"{name}: the file is empty")
-            for magic, what in RECORDINGS.items():
-                if head.startswith(magic):
-                    raise SourceError(f"{name}: is {what}; this version reads PCD and PLY files")
-            if head.startswith((b"ply\n", b"ply\r")):
-                return read_ply(file, name)
-            if head.lstrip().startswith((b"# .PCD", b"VERSION", b"FIELDS", b"#")) and b"FIELDS" in head:
-                return read_pcd(file, name)
-    except OSError as error:
-        raise SourceError(f"{name}: cannot be read: {error.strerror or error}") from error
+    with path.open("rb") as file:
+        head = file.read(SNIFFED_BYTES)
+        file.seek(0)
+        if not head:
+            raise SourceError(f"{name}: the file is empty")
+        for magic, what in RECORDINGS.items():
+            if head.startswith(magic):
+                raise SourceError(f"{name}: is {what}; this version reads PCD and PLY files")
+        if head.startswith((b"ply\n", b"ply\r")):
+            return read_ply(file, name)
+        if head.lstrip().startswith((b"#", b"VERSION", b"FIELDS")) and b"FIELDS" in head:
+            return read_pcd(file, name)
     raise SourceError(f"{name}: is neither a PCD nor a PLY file (it begins with {head[:16]!r})")
 
 
 @contextmanager
 def _on_disk(name: str) -> Iterator[Path]:
-    """A seekable file: the source itself, or standard input spooled to a temporary one."""
-    if name != STDIN:
-        path = Path(name)
-        if path.is_dir():
+    """A seekable file: the source itself, or a temporary copy of standard input or of a pipe."""
+    path = Path(name)
+    try:
+        if name != STDIN and path.is_dir():
             raise SourceError(f"{name}: is a folder; give the files in it, e.g. {name.rstrip('/')}/*.pcd")
-        if not path.exists():
-            raise SourceError(f"{name}: no such file")
-        yield path
-        return
-    with tempfile.NamedTemporaryFile(prefix="flatgrasp-") as spool:
-        shutil.copyfileobj(sys.stdin.buffer, spool)
-        spool.flush()
-        yield Path(spool.name)
+        if name != STDIN and path.is_file():
+            yield path
+            return
+        with _pipe(name) as pipe, tempfile.NamedTemporaryFile(prefix="flatgrasp-") as spool:
+            shutil.copyfileobj(pipe, spool)
+            spool.flush()
+            yield Path(spool.name)
+    except OSError as error:
+        raise SourceError(f"{name}: cannot be read: {error.strerror or error}") from error
+
+
+@contextmanager
+def _pipe(name: str) -> Iterator[BinaryIO]:
+    if name != STDIN:
+        with Path(name).open("rb") as pipe:
+            yield pipe
+    elif sys.stdin is None:
+        raise SourceError("stdin: is closed")
+    else:
+        yield sys.stdin.buffer
 
 
 def _scaled(cloud: Cloud, scale: float) -> Cloud:

@@ -8,18 +8,25 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import BinaryIO
 
+import numpy as np
+
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.sources.ascii_rows import check_rows
 
 MAX_LINES = 1000
 MAX_LINE_BYTES = 65_536
 FORMATS = ("ascii", "binary_little_endian", "binary_big_endian")
-SIZES = {
-    **dict.fromkeys(("char", "uchar", "int8", "uint8"), 1),
-    **dict.fromkeys(("short", "ushort", "int16", "uint16"), 2),
-    **dict.fromkeys(("int", "uint", "int32", "uint32", "float", "float32"), 4),
-    **dict.fromkeys(("double", "float64"), 8),
+CODES = {
+    **dict.fromkeys(("char", "int8"), "i1"),
+    **dict.fromkeys(("uchar", "uint8"), "u1"),
+    **dict.fromkeys(("short", "int16"), "i2"),
+    **dict.fromkeys(("ushort", "uint16"), "u2"),
+    **dict.fromkeys(("int", "int32"), "i4"),
+    **dict.fromkeys(("uint", "uint32"), "u4"),
+    **dict.fromkeys(("float", "float32"), "f4"),
+    **dict.fromkeys(("double", "float64"), "f8"),
 }
+"""numpy's codes of PLY's types, without byte order."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +41,11 @@ class PlyElement:
     @property
     def stride(self) -> int:
         """Bytes a record in binary data."""
-        return sum(SIZES[kind] for _, kind in self.properties)
+        return sum(int(CODES[kind][1:]) for _, kind in self.properties)
+
+    def column(self, name: str) -> int:
+        """Place of a property among the record's numbers."""
+        return [key for key, _ in self.properties].index(name)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,14 +66,10 @@ class PlyHeader:
         """The elements stored before the points."""
         return self.elements[: self.elements.index(self.vertex)]
 
-    def vertices_only(self) -> bytes:
-        """A header for the points alone, in which nothing but x, y and z has a name with a meaning."""
-        names = (
-            (name if name in ("x", "y", "z") else f"other{k}") for k, (name, _) in enumerate(self.vertex.properties)
-        )
-        kinds = (kind for _, kind in self.vertex.properties)
-        rows = "".join(f"property {kind} {name}\n" for name, kind in zip(names, kinds, strict=True))
-        return f"ply\nformat {self.format} 1.0\nelement vertex {self.vertex.count}\n{rows}end_header\n".encode()
+    def vertex_dtype(self) -> np.dtype[np.void]:
+        """The vertices of binary data as a numpy record type."""
+        order = ">" if self.format == "binary_big_endian" else "<"
+        return np.dtype([(name, order + CODES[kind]) for name, kind in self.vertex.properties])
 
 
 def read_ply_header(file: BinaryIO, name: str) -> PlyHeader:
@@ -83,7 +90,7 @@ def read_ply_header(file: BinaryIO, name: str) -> PlyHeader:
     if len(vertices) != 1:
         raise SourceError(f"{name}: the PLY file has no vertices; its elements: {[e.name for e in elements]}")
     names = [key for key, _ in vertices[0].properties]
-    if any(names.count(axis) != 1 for axis in "xyz"):
+    if len(set(names)) < len(names) or any(axis not in names for axis in "xyz"):
         raise SourceError(f"{name}: the vertices need one property each of x, y and z; they have: {' '.join(names)}")
     if any(element.lists for element in (*header.before_vertex, vertices[0])):
         raise SourceError(f"{name}: has lists in or before its vertices; save it again with the vertices first")
@@ -152,6 +159,6 @@ def _parse(lines: list[list[str]]) -> tuple[str, tuple[PlyElement, ...]]:
 def _with_property(element: PlyElement, words: list[str]) -> PlyElement:
     if words[0] == "list":
         return PlyElement(element.name, element.count, element.properties, lists=True)
-    if words[0] not in SIZES:
+    if words[0] not in CODES:
         raise ValueError(f"unknown type {words[0]!r}")
     return PlyElement(element.name, element.count, (*element.properties, (words[1], words[0])), element.lists)
