@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 from flatgrasp_cli.geometry import polygon
 from flatgrasp_cli.geometry.alpha_shape import CellGrid, alpha_region, small_triangles
 from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.chain import Chain, closed_chain, slopes
 from flatgrasp_cli.geometry.frames import Frame, quaternion_from_axes
 from flatgrasp_cli.geometry.rectangle import minimum_area_axis
 
@@ -100,27 +101,31 @@ def test_rays_agree_with_the_crossing_number(seed: int) -> None:
         assert polygon.ray_parity_inside(loop, point, far) == polygon.contains([loop], point[None])[0]
 
 
-def test_clip_to_strip_of_slanted_upright_and_missing_edges() -> None:
-    """The strip −1 ≤ x ≤ 1 and the edges (−2,0)–(2,4), (2,4)–(3,0), (0.5,1)–(0.5,3) and back, as open chains of two."""
-    x, y = np.array([[-2.0], [2.0], [0.5], [0.5]]), np.array([[0.0], [4.0], [1.0], [3.0]])
-    following = np.array([1, 0, 3, 2])
-    low, high = polygon.clip_to_strip(x, y, following, -1.0, 1.0)
-    assert low.ravel().tolist() == [1.0, 1.0, 1.0, 1.0]
-    assert high.ravel().tolist() == [3.0, 3.0, 3.0, 3.0]
-    low, high = polygon.clip_to_strip(x + 5, y, following, -1.0, 1.0)
-    assert low.ravel().tolist() == [np.inf] * 4
-    assert high.ravel().tolist() == [-np.inf] * 4
+def chain_of(*loops: FloatArray, shift: float = 0.0) -> Chain:
+    points, breaks = closed_chain(loops)
+    x, y = points[:, :1] - shift, points[:, 1:]
+    return Chain(x, y, slopes(x, y), breaks)
+
+
+def test_edges_are_clipped_to_a_strip() -> None:
+    """The strip −1 ≤ x ≤ 1 and a triangle with a slanted, an upright and a level side; a second one lies outside."""
+    triangle = np.array([[-2.0, 0.0], [2.0, 4.0], [-2.0, 4.0]])
+    low, high = chain_of(triangle, triangle + 10).clipped(-1.0, 1.0)
+    assert low.ravel().tolist() == [1.0, 4.0, np.inf, np.inf, np.inf, np.inf, np.inf]
+    assert high.ravel().tolist() == [3.0, 4.0, -np.inf, -np.inf, -np.inf, -np.inf, -np.inf]
+    assert chain_of(triangle).flipped().clipped(-1.0, 1.0)[0].ravel().tolist() == [-3.0, -4.0, np.inf]
+
+
+def test_an_upright_edge_in_the_strip_is_kept_whole() -> None:
+    low, high = chain_of(np.array([[0.5, 1.0], [0.5, 3.0], [5.0, 2.0]])).clipped(-1.0, 1.0)
+    assert (low[0, 0], high[0, 0]) == (1.0, 3.0)
 
 
 @given(seeds)
-def test_inside_below_agrees_with_contains(seed: int) -> None:
+def test_a_chain_holds_what_its_loops_contain(seed: int) -> None:
     loops, _ = holed(seed)
-    points = np.random.default_rng(seed).uniform(-1, 1, (40, 2))
-    vertices = np.concatenate(loops)
-    for point in points:
-        moved = vertices - [point[0], 0.0]
-        x, y = moved[:, :1], moved[:, 1:]
-        inside = polygon.inside_below(x, y, polygon.next_vertices(loops), 0.0, point[1:])
+    for point in np.random.default_rng(seed).uniform(-1, 1, (40, 2)):
+        inside = chain_of(*loops, shift=float(point[0])).holds(0.0, point[1:])
         assert inside.tolist() == polygon.contains(loops, point[None]).tolist()
 
 

@@ -39,16 +39,7 @@ def signed_area(loop: FloatArray) -> float:
 
 def edges(loops: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:
     """Start and end points (n, 2) of all edges of all loops."""
-    start = np.concatenate(loops)
-    return start, start[next_vertices(loops)]
-
-
-def next_vertices(loops: Sequence[FloatArray]) -> IntArray:
-    """Index (n,) of the vertex after each, when all loops are put one behind the other."""
-    following = np.arange(1, sum(len(loop) for loop in loops) + 1)
-    ends = np.cumsum([len(loop) for loop in loops])
-    following[ends - 1] = ends - [len(loop) for loop in loops]
-    return following
+    return np.concatenate(loops), np.concatenate([np.roll(loop, -1, axis=0) for loop in loops])
 
 
 def arc_positions(loop: FloatArray) -> FloatArray:
@@ -155,35 +146,6 @@ def chord_walk(loop: FloatArray, radius: float) -> FloatArray:
             positions.append(begin + along)
             centre = (ax + along * ux, ay + along * uy)
     return np.array(positions)
-
-
-def clip_to_strip(
-    x: FloatArray, y: FloatArray, following: IntArray, low: float, high: float
-) -> tuple[FloatArray, FloatArray]:
-    """Lowest and highest y (n, p) of each edge's part inside the strip low ≤ x ≤ high; inf and −inf where it has none.
-
-    Parameters
-    ----------
-    x, y
-        The loops' vertices in p frames, (n, p).
-    following
-        Index (n,) of the vertex that ends the edge from each, as `next_vertices` gives it.
-    """
-    below, above = x < high, x > low
-    meets = (below | below[following]) & (above | above[following])
-    shift = np.minimum(np.maximum(x, low), high) - x
-    run = x[following] - x
-    slope = (y[following] - y) / np.where(run == 0, 1.0, run)
-    begin, end = y + slope * shift, y[following] + slope * shift[following]
-    return np.where(meets, np.minimum(begin, end), np.inf), np.where(meets, np.maximum(begin, end), -np.inf)
-
-
-def inside_below(x: FloatArray, y: FloatArray, following: IntArray, at: float, level: FloatArray) -> BoolArray:
-    """Whether points (at, level) (p,) lie inside loops with vertices x, y (n, p): oddly many edges pass above."""
-    right = x > at
-    run = x[following] - x
-    crossing_y = y + (at - x) * (y[following] - y) / np.where(run == 0, 1.0, run)
-    return np.asarray(((right != right[following]) & (crossing_y > level)).sum(axis=0) % 2 == 1)
 
 
 def ray_parity_inside(loop: FloatArray, point: FloatArray, far_points: FloatArray) -> bool:

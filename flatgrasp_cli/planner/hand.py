@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
-from flatgrasp_cli.geometry.polygon import clip_to_strip, cross, dot, inside_below, left_normal, next_vertices
+from flatgrasp_cli.geometry.chain import Chain, closed_chain, slopes
+from flatgrasp_cli.geometry.polygon import cross, dot, left_normal
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates, Silhouette
 from flatgrasp_cli.planner.funnel import Funnel
 from flatgrasp_cli.profiles.gripper import Gripper
@@ -16,7 +17,7 @@ from flatgrasp_cli.profiles.settings import HandSettings
 
 SINK_M = 0.002
 """A pad may come to rest this far, and half its width, below the highest point of its stretch of boundary."""
-MAX_CELLS = 30_000
+MAX_CELLS = 20_000
 """Pairs × edges worked on at once: as much as stays in a processor's cache."""
 
 
@@ -161,15 +162,17 @@ def swept_fit(
     own reach is what the pad rests on; the next boundary outward ends the room, and boundary that runs on past the
     tolerance without a gap leaves none.
     """
-    vertices, following = np.concatenate(silhouette.loops), next_vertices(silhouette.loops)
+    points, breaks = closed_chain(silhouette.loops)
     level = extents(fingers, pairs) + tolerance_m
     pads, room = np.empty((2, len(pairs))), np.empty((2, len(pairs)))
-    for part in _chunks(len(pairs), len(vertices)):
+    for part in _chunks(len(pairs), len(points)):
         axis, middle = pairs.axis[part], _middles(fingers, pairs)[part]
-        x, y = _to_hand(vertices, middle, left_normal(axis), axis)
-        for side, outward in ((0, -y), (1, y)):
-            jaw = gripper.jaws[side], gripper.finger_width_m
-            pads[side, part], room[side, part] = _jaw_fit(x, outward, following, level[side, part], jaw)
+        x, y = _to_hand(points, middle, left_normal(axis), axis)
+        outline = Chain(x, y, slopes(x, y), breaks)
+        for side, seen in ((0, outline.flipped()), (1, outline)):
+            pads[side, part], room[side, part] = _jaw_fit(
+                seen, level[side, part], gripper.jaws[side], gripper.finger_width_m
+            )
     sunk = level - pads > SINK_M + _half_widths(gripper)  # it rests on something else than its candidate
     return Fit(pads, np.where(sunk, 0.0, room))
 
@@ -192,21 +195,19 @@ def _chunks(pairs: int, others: int) -> Iterator[slice]:
 
 
 def _jaw_fit(
-    x: FloatArray, y: FloatArray, following: IntArray, level: FloatArray, jaw: tuple[tuple[float, ...], float]
+    outline: Chain, level: FloatArray, offsets: tuple[float, ...], finger_width: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Pad distance and room (p,) of one jaw, its fingers' offsets and width given.
+    """Pad distance and room (p,) of a jaw with fingers at `offsets`, for an outline seen with +y out to that jaw.
 
-    `x` and `y` (n, p) are the outline's vertices in the pairs' frames, +y out to the jaw; a pad may rest on boundary up
-    to `level` (p,).
+    A pad may rest on boundary up to `level` (p,).
     """
-    offsets, width = jaw
     pad, obstacle = np.full(len(level), -np.inf), np.full(len(level), np.inf)
     for offset in offsets:
-        lowest, highest = clip_to_strip(x, y, following, offset - width / 2, offset + width / 2)
+        lowest, highest = outline.clipped(offset - finger_width / 2, offset + finger_width / 2)
         beyond = highest > level
         pad = np.maximum(pad, np.where(beyond, -np.inf, highest).max(axis=0))
         obstacle = np.minimum(obstacle, np.where(beyond, lowest, np.inf).min(axis=0))
-        obstacle[(obstacle < level) | inside_below(x, y, following, offset, level)] = -np.inf
+        obstacle[(obstacle < level) | outline.holds(offset, level)] = -np.inf
     touches = np.isfinite(pad)
     pad = np.where(touches, pad, 0.0)
     return pad, np.where(touches, np.maximum(obstacle - pad, 0.0), 0.0)

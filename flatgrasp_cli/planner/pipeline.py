@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
@@ -83,51 +81,46 @@ def _section_three(
     trace.gravity_center, trace.gravity_distance_m = ranking.center, ranking.distance[order]
     trace.ranked = np.column_stack([pairs.i, pairs.j])[order]
     best = order[:top]
-    hands = _Hands(pairs.select(best), fit.select(best), ranking.select(best))
-    return tuple(_grasp(k, outline, fingers, hands, (gripper, settings)) for k in range(len(best)))
+    hands = (pairs.select(best), fit.select(best), ranking.select(best))
+    return _grasps(outline, fingers, hands, openings(fit.select(best), gripper, settings.hand))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Hands:
-    """The final grasps, best first, as the stages left them."""
-
-    pairs: GraspCandidates
-    fit: Fit
-    ranking: RankingCost
-
-
-def _grasp(
-    k: int,
+def _grasps(
     outline: Silhouette,
     fingers: FingerCandidates,
-    hands: _Hands,
-    profile: tuple[Gripper, PlannerSettings],
-) -> Grasp:
-    """The record of the k-th best pair, its fingertip frame at the box's mid-height, facing away from the sensor.
+    hands: tuple[GraspCandidates, Fit, RankingCost],
+    opening: FloatArray,
+) -> tuple[Grasp, ...]:
+    """The records of pairs, best first, their fingertip frames at the box's mid-height, facing away from the sensor.
 
     Hand y is the closing axis and hand z = −normal, so hand x = y × z = normal × y: y turned left in the plane.
     """
-    only = np.array([k])
-    pairs, fit, ranking = hands.pairs.select(only), hands.fit.select(only), hands.ranking.select(only)
-    frame, i, j = outline.frame, int(pairs.i[0]), int(pairs.j[0])
-    hand_axes = [left_normal(pairs.axis) @ frame.axes[:2], pairs.axis @ frame.axes[:2], -frame.axes[2:]]
-    gripper, settings = profile
-    return Grasp(
-        rank=k + 1,
-        position=frame.to_world(centers(fingers, pairs, fit)[0]),
-        orientation=quaternion_from_axes(np.concatenate(hand_axes)),
-        opening_m=openings(fit, gripper, settings.hand).item(),
-        width_m=fit.width.item(),
-        contacts=frame.to_world(fingers.contact[[i, j]]),
-        fingers=(i, j),
-        force_balance_deg=pairs.force_balance_deg.item(),
-        torque_arm_m=pairs.torque_arm_m.item(),
-        required_friction=pairs.required_friction.item(),
-        variance_m=float(fingers.variance[i] + fingers.variance[j]),
-        gravity_distance_m=ranking.distance.item(),
-        inside_share=ranking.inside_share.item(),
-        arc_ratio=float(fingers.arc_ratio[[i, j]].max()),
-        cost_m=ranking.cost.item(),
+    pairs, fit, ranking = hands
+    frame = outline.frame
+    position = frame.to_world(centers(fingers, pairs, fit))
+    contacts = frame.to_world(np.stack([fingers.contact[pairs.i], fingers.contact[pairs.j]], axis=1))
+    hand_x, hand_y = left_normal(pairs.axis) @ frame.axes[:2], pairs.axis @ frame.axes[:2]
+    variance = fingers.variance[pairs.i] + fingers.variance[pairs.j]
+    arc_ratio = np.maximum(fingers.arc_ratio[pairs.i], fingers.arc_ratio[pairs.j])
+    return tuple(
+        Grasp(
+            rank=k + 1,
+            position=position[k],
+            orientation=quaternion_from_axes(np.stack([hand_x[k], hand_y[k], -frame.axes[2]])),
+            opening_m=float(opening[k]),
+            width_m=float(fit.width[k]),
+            contacts=contacts[k],
+            fingers=(int(pairs.i[k]), int(pairs.j[k])),
+            force_balance_deg=float(pairs.force_balance_deg[k]),
+            torque_arm_m=float(pairs.torque_arm_m[k]),
+            required_friction=float(pairs.required_friction[k]),
+            variance_m=float(variance[k]),
+            gravity_distance_m=float(ranking.distance[k]),
+            inside_share=float(ranking.inside_share[k]),
+            arc_ratio=float(arc_ratio[k]),
+            cost_m=float(ranking.cost[k]),
+        )
+        for k in range(len(pairs))
     )
 
 
