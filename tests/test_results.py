@@ -47,6 +47,14 @@ def test_a_refusal_names_stage_value_and_limit() -> None:
     assert miss["limit"] == pytest.approx(0.086)
 
 
+def test_both_centres_of_gravity_are_reported() -> None:
+    center = to_document(PLATE)["objects"][0]["gravity_center"]
+    assert center["used"] == "area"
+    assert center["area"] == pytest.approx([0, 0, 0], abs=1e-3)
+    apart = np.linalg.norm(np.subtract(center["area"], center["points"]))
+    assert center["distance_m"] == pytest.approx(apart, abs=1e-6)
+
+
 def test_grasps_are_ranked_and_the_funnel_narrows() -> None:
     item = to_document(PLATE)["objects"][0]
     costs = [grasp["metrics"]["cost_m"] for grasp in item["grasps"]]

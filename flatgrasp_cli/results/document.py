@@ -13,6 +13,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from flatgrasp_cli.model import Grasp, ObjectPlan, OrientedBox, Silhouette
+from flatgrasp_cli.planner.gravity import gravity_center
 from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.profiles import Gripper, PlannerSettings, Robot
 
@@ -82,6 +83,15 @@ class FingersPart(_Part):
     doubted_directions: int
 
 
+class GravityPart(_Part):
+    """Centre of the outline's area, mean of the visible points, their distance, and which of the two was used."""
+
+    area: Vector3
+    points: Vector3
+    distance_m: Number
+    used: Literal["area", "points"]
+
+
 class StagePart(_Part):
     """How many candidates a stage of the method kept."""
 
@@ -142,7 +152,7 @@ class ObjectPart(_Part):
     obb: BoxPart | None
     aabb: AabbPart | None
     silhouette: SilhouettePart | None
-    gravity_center: Vector3 | None
+    gravity_center: GravityPart | None
     fingers: FingersPart
     funnel: list[StagePart]
     grasps: list[GraspPart]
@@ -208,7 +218,7 @@ def to_document(plan: Plan, read_ms: float = 0.0, total_ms: float | None = None)
         robot=None,
         settings=plan.settings,
         support_plane=None,
-        objects=[_object(item) for item in plan.objects],
+        objects=[_object(item, plan.settings.gravity.center) for item in plan.objects],
         timing_ms=TimingPart(
             read=round(read_ms, 3),
             scene=0.0,
@@ -225,10 +235,9 @@ def to_json(document: dict[str, Any], *, indent: int | None = None) -> str:
     return json.dumps(document, indent=indent, separators=separators, allow_nan=False, ensure_ascii=False)
 
 
-def _object(item: ObjectPlan) -> ObjectPart:
+def _object(item: ObjectPlan, used: Literal["area", "points"]) -> ObjectPart:
     trace, rejection = item.trace, item.rejection
     outline, box = trace.silhouette, trace.box
-    center = None if outline is None or trace.gravity_center is None else outline.frame.to_world(trace.gravity_center)
     return ObjectPart(
         id=item.object.id,
         points=len(item.object.points),
@@ -239,7 +248,7 @@ def _object(item: ObjectPlan) -> ObjectPart:
         obb=box and _box(box),
         aabb=box and AabbPart(min=_numbers(box.aabb[0]), max=_numbers(box.aabb[1])),
         silhouette=outline and _silhouette(outline),
-        gravity_center=None if center is None else _numbers(center),
+        gravity_center=_gravity(outline, used) if outline is not None and outline.loops else None,
         fingers=FingersPart(
             step_m=_number(trace.steps[0].step_m) if trace.steps else None, doubted_directions=trace.doubted_directions
         ),
@@ -259,6 +268,16 @@ def _silhouette(outline: Silhouette) -> SilhouettePart:
         loops=[_numbers(loop) for loop in outline.loops],
         alpha_m=_number(outline.alpha_m),
         coverage=_number(outline.coverage),
+    )
+
+
+def _gravity(outline: Silhouette, used: Literal["area", "points"]) -> GravityPart:
+    area, points = (gravity_center(outline, method) for method in ("area", "points"))
+    return GravityPart(
+        area=_numbers(outline.frame.to_world(area)),
+        points=_numbers(outline.frame.to_world(points)),
+        distance_m=_number(float(np.linalg.norm(area - points))),
+        used=used,
     )
 
 
