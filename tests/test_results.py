@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 from jsonschema import Draft202012Validator
 
 from flatgrasp_cli import load_gripper, load_settings, plan, read_clouds
@@ -127,3 +128,19 @@ def test_stage_figures_go_as_far_as_the_method_went(result: Plan, count: int, tm
     assert "08_funnel" in names
     save_figure(final_figure(result), tmp_path / "final.png")
     assert (tmp_path / "final.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("gripper", ["lacquey", "pr2", "wsg_50"])
+@pytest.mark.parametrize("name", OBJECTS)
+def test_no_finger_stands_in_the_outline(name: str, gripper: str) -> None:
+    """At the opening to approach with, and half a millimetre before the pads meet: by shapely, for the twenty best."""
+    hand, item = load_gripper(gripper), sample(name, gripper).objects[0]
+    outline = item.trace.silhouette
+    assert outline is not None
+    solid = shapely.Polygon(outline.loops[0], outline.loops[1:])
+    for grasp in item.grasps[:20]:
+        origin, x, y = hand_in_plane(grasp, outline.frame)
+        for opening in (grasp.opening_m, grasp.width_m + 0.0005):
+            for x0, x1, y0, y1 in finger_boxes(hand, opening):
+                corners = [origin + u * x + v * y for u, v in ((x0, y0), (x1, y0), (x1, y1), (x0, y1))]
+                assert solid.intersection(shapely.Polygon(corners)).area < 1e-9
