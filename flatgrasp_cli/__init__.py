@@ -12,17 +12,29 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from flatgrasp_cli.planning import Plan, plan
-    from flatgrasp_cli.profiles import load_gripper, load_robot, load_settings
+    from flatgrasp_cli.planning import Plan, in_base_frame, plan
+    from flatgrasp_cli.profiles import load_camera_pose, load_gripper, load_robot, load_settings
     from flatgrasp_cli.results.document import to_document
     from flatgrasp_cli.sources import read_clouds
 
 __version__ = "0.1.0"
-__all__ = ["Plan", "load_gripper", "load_robot", "load_settings", "plan", "read_clouds", "to_document"]
+__all__ = [
+    "Plan",
+    "in_base_frame",
+    "load_camera_pose",
+    "load_gripper",
+    "load_robot",
+    "load_settings",
+    "plan",
+    "read_clouds",
+    "to_document",
+]
 
 _HOMES = {
     "Plan": "flatgrasp_cli.planning",
+    "in_base_frame": "flatgrasp_cli.planning",
     "plan": "flatgrasp_cli.planning",
+    "load_camera_pose": "flatgrasp_cli.profiles",
     "load_gripper": "flatgrasp_cli.profiles",
     "load_robot": "flatgrasp_cli.profiles",
     "load_settings": "flatgrasp_cli.profiles",

@@ -8,6 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 from typing import TypeVar
 
+import numpy as np
+
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.frames import Frame
 
@@ -42,12 +44,49 @@ class Cloud:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class SupportPlane:
+    """The plane that objects stand on: `normal` · p = `offset_m`, the unit normal (3,) on the sensor's side.
+
+    `noise_m` is the standard deviation of the plane's own points about it.
+    """
+
+    normal: FloatArray
+    offset_m: float
+    noise_m: float
+
+    def heights(self, points: FloatArray) -> FloatArray:
+        """Heights (n,) of `points` (n, 3) above the plane."""
+        return np.asarray(points @ self.normal - self.offset_m)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class ObjectCloud:
-    """The points (n, 3) of one object, seen from `viewpoint` (3,)."""
+    """The points (n, 3) of one object, seen from `viewpoint` (3,).
+
+    `support` is the plane it stands on, None when it was seen alone. Near it lie other points above the plane,
+    `obstacles` (m, 3), for fingers and palm to keep clear of, and points of the plane, `free` (k, 3): nothing stands
+    on those.
+    """
 
     id: int
     points: FloatArray
     viewpoint: FloatArray
+    support: SupportPlane | None = None
+    obstacles: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
+    free: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scene:
+    """What a cloud shows: objects, and the plane that they stand on (None: one object, seen alone).
+
+    `clutter` (k, 3) are points above the plane that belong to no object; `reason` says why there is no object.
+    """
+
+    support: SupportPlane | None
+    objects: tuple[ObjectCloud, ...]
+    clutter: FloatArray
+    reason: str | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,7 +134,8 @@ class FingerCandidates:
 
     `start`, `end`, `contact` (their midpoint) and the inward unit `direction` are (m, 2); `arcs` (m, k, 2) sample the
     boundary from start to end; `variance` (m,) measures how far the boundary strays from the chord; `arc_ratio` (m,) is
-    its length over the chord's; `jaw` (m,) is 0 or 1 for the jaw that the candidate is for, −1 for either.
+    its length over the chord's; `jaw` (m,) is 0 or 1 for the jaw that the candidate is for, −1 for either; `hidden`
+    (m,) is how far the object probably goes on beyond the boundary, out of the sensor's sight.
     """
 
     loop: IntArray
@@ -108,6 +148,7 @@ class FingerCandidates:
     arcs: FloatArray
     variance: FloatArray
     arc_ratio: FloatArray
+    hidden: FloatArray
 
     def __len__(self) -> int:
         """Number of candidates."""
@@ -162,11 +203,32 @@ class Rejection:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Reach:
+    """Whether the arm reaches a grasp, and how.
+
+    If `ok`, `joints_rad` (3, 6) are the angles at the pre-grasp pose, at the grasp and at the end of the lift,
+    `manipulability` is the least on the way, in m³, `manipulability_share` that over the arm's largest, and `twin` says
+    whether the hand is turned by 180°. If not, `waypoint` (pre_grasp, approach, grasp or lift) is where the branch that
+    came furthest had to stop, and `limit`, one of `robot.reach.LIMITS`, what stopped it.
+    """
+
+    ok: bool
+    joints_rad: FloatArray | None = None
+    manipulability: float | None = None
+    manipulability_share: float | None = None
+    twin: bool = False
+    waypoint: str | None = None
+    limit: str | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Grasp:
     """One grasp, best first by `rank` from 1.
 
     `position` (3,) and `orientation` [x, y, z, w] are the fingertip frame's: origin midway between the fingertip ends,
     z the approach, y the closing axis. `contacts` (2, 3) are on the −y and the +y side, `fingers` the candidates there.
+    Over a support plane the fingertips end `tip_height_m` above it, the pads cover `grip_m` of the object's height, and
+    `unseen_m` of the fingers' way was hidden from the sensor; None for an object seen alone.
     """
 
     rank: int
@@ -184,6 +246,10 @@ class Grasp:
     inside_share: float
     arc_ratio: float
     cost_m: float
+    tip_height_m: float | None = None
+    grip_m: float | None = None
+    unseen_m: float | None = None
+    reach: Reach | None = None
 
 
 @dataclass(slots=True, eq=False)
@@ -192,10 +258,11 @@ class Trace:
 
     `force_balance_deg` (m, k) is γ of all candidates for jaw 0 with all for jaw 1. `survivors` maps a stage's name to
     the (k, 2) pairs of candidates that it kept, in the method's order; `ranked` are the last of them, best first, and
-    `gravity_distance_m` theirs.
+    `gravity_distance_m` theirs. `level_m` is the height over the support plane above which the silhouette was taken.
     """
 
     box: OrientedBox | None = None
+    level_m: float | None = None
     silhouette: Silhouette | None = None
     steps: tuple[StepPoints, ...] = ()
     fingers: FingerCandidates | None = None
@@ -209,10 +276,14 @@ class Trace:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ObjectPlan:
-    """The answer for one object: its grasps, or the rejection that says why there are none."""
+    """The answer for one object: its grasps, or the rejection that says why there are none.
+
+    `refused` are the best of the grasps that a robot cannot carry out.
+    """
 
     object: ObjectCloud
     funnel: tuple[Stage, ...]
     grasps: tuple[Grasp, ...]
     rejection: Rejection | None
     trace: Trace
+    refused: tuple[Grasp, ...] = ()

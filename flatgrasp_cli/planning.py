@@ -1,23 +1,35 @@
-"""One cloud → one Plan: composes the planner's parts; what the command line and the Python API call."""
+"""One cloud → one Plan: composes scene, planner and robot; what the command line and the Python API call."""
 
 from __future__ import annotations
 
+import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from flatgrasp_cli.model import Cloud, Grasp, ObjectCloud, ObjectPlan
+import numpy as np
+
+from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion
+from flatgrasp_cli.model import Cloud, Grasp, ObjectPlan, Reach, Rejection, Scene, Stage
 from flatgrasp_cli.planner import plan_object
-from flatgrasp_cli.profiles import Gripper, PlannerSettings, load_settings
+from flatgrasp_cli.profiles import CameraPose, Gripper, PlannerSettings, Robot, load_settings
+from flatgrasp_cli.robot import Motion, Plane, reach
+from flatgrasp_cli.scene import segment
+
+REACH_CANDIDATES = 500
+"""The best grasps of an object that a robot is asked about."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Plan:
-    """The answer for one cloud, with the profile and the settings that it was found with."""
+    """The answer for one cloud, with the profiles and the settings that it was found with."""
 
     cloud: Cloud
     gripper: Gripper
+    robot: Robot | None
     settings: PlannerSettings
+    scene: Scene
     objects: tuple[ObjectPlan, ...]
+    scene_ms: float
     plan_ms: float
 
     @property
@@ -30,12 +42,21 @@ class Plan:
         """Why there is no grasp; None when there is one."""
         if self.best is not None:
             return None
+        if not self.objects:
+            return self.scene.reason
         rejection = self.objects[0].rejection
         return rejection.reason if rejection else None
 
 
-def plan(cloud: Cloud, gripper: Gripper, settings: PlannerSettings | None = None, *, top: int = 10) -> Plan:
-    """Plan grasps on a cloud that shows one object.
+def plan(
+    cloud: Cloud,
+    gripper: Gripper,
+    settings: PlannerSettings | None = None,
+    *,
+    top: int = 10,
+    robot: Robot | None = None,
+) -> Plan:
+    """Plan grasps on a cloud that shows one object alone, or objects on a support plane.
 
     Parameters
     ----------
@@ -46,9 +67,62 @@ def plan(cloud: Cloud, gripper: Gripper, settings: PlannerSettings | None = None
     settings
         From `load_settings`; the shipped defaults when None.
     top
-        How many grasps to keep, best first.
+        How many grasps of each object to keep, best first.
+    robot
+        From `load_robot`: only grasps that it reaches are kept. The cloud must be in its base frame, where
+        `in_base_frame` brings it.
     """
     resolved = (settings or load_settings()).resolve(gripper)
     began = time.perf_counter()
-    objects = (plan_object(ObjectCloud(0, cloud.points, cloud.viewpoint), gripper, resolved, top),)
-    return Plan(cloud, gripper, resolved, objects, 1e3 * (time.perf_counter() - began))
+    scene = segment(cloud, resolved.scene, resolved.seed)
+    segmented = time.perf_counter()
+    plans = [plan_object(item, gripper, resolved, REACH_CANDIDATES if robot else top) for item in scene.objects]
+    if robot is not None:
+        plans = [_reached(item, gripper, robot, resolved, top) for item in plans]
+    objects = tuple(sorted(plans, key=_best_first))
+    scene_ms, plan_ms = 1e3 * (segmented - began), 1e3 * (time.perf_counter() - segmented)
+    return Plan(cloud, gripper, robot, resolved, scene, objects, scene_ms, plan_ms)
+
+
+def in_base_frame(cloud: Cloud, camera: CameraPose, frame_id: str) -> Cloud:
+    """The cloud in the frame `frame_id` in which its own frame has the pose `camera`."""
+    frame = Frame(np.array(camera.position_m), axes_from_quaternion(np.array(camera.orientation_xyzw)))
+    return replace(
+        cloud, points=frame.to_world(cloud.points), viewpoint=frame.to_world(cloud.viewpoint), frame_id=frame_id
+    )
+
+
+def _best_first(item: ObjectPlan) -> tuple[float, int]:
+    """Objects in the order of their best grasps; those without one last, larger first."""
+    return (item.grasps[0].cost_m if item.grasps else math.inf, -len(item.object.points))
+
+
+def _reached(item: ObjectPlan, gripper: Gripper, robot: Robot, settings: PlannerSettings, top: int) -> ObjectPlan:
+    """The same with only the grasps that the robot can carry out, and the best of those that it cannot."""
+    if not item.grasps:
+        return item
+    axes = np.array([axes_from_quaternion(grasp.orientation) for grasp in item.grasps])
+    tool_m = [gripper.palm_offset_m + gripper.finger_length_at_m(grasp.width_m) for grasp in item.grasps]
+    support = item.object.support
+    lift = -axes[0, 2] if support is None else support.normal
+    motion = Motion(settings.depth.approach_m, settings.depth.lift_m, lift, gripper.symmetric)
+    table = None if support is None else Plane(support.normal, support.offset_m)
+    positions = np.array([grasp.position for grasp in item.grasps])
+    answers = reach(robot, positions, axes, np.array(tool_m), motion, table)
+    asked = [replace(grasp, reach=answer) for grasp, answer in zip(item.grasps, answers, strict=True)]
+    kept = [grasp for grasp, answer in zip(asked, answers, strict=True) if answer.ok]
+    refused = [grasp for grasp, answer in zip(asked, answers, strict=True) if not answer.ok]
+    return replace(
+        item,
+        grasps=tuple(replace(grasp, rank=k + 1) for k, grasp in enumerate(kept[:top])),
+        refused=tuple(refused[:top]),
+        funnel=(*item.funnel, Stage("reach", len(kept))),
+        rejection=None if kept else Rejection("reach", _why_not(robot, answers)),
+    )
+
+
+def _why_not(robot: Robot, answers: tuple[Reach, ...]) -> str:
+    """The commonest way in which the robot fails, in one line."""
+    ways = [f"{answer.limit} at the {str(answer.waypoint).replace('_', '-')}" for answer in answers]
+    commonest = max(set(ways), key=lambda way: (ways.count(way), way))
+    return f"{robot.name} reaches none of the {len(answers)} best grasps: {commonest} in {ways.count(commonest)}"

@@ -30,6 +30,7 @@ def candidates(contacts: FloatArray, directions: FloatArray, jaws: list[int] | N
         arcs=np.repeat(contacts[:, None], 3, axis=1),
         variance=np.zeros(n),
         arc_ratio=np.ones(n),
+        hidden=np.zeros(n),
     )
 
 

@@ -36,7 +36,8 @@ class Outputs:
 
         began = time.perf_counter()
         document = to_document(plan, read_ms)
-        document["timing_ms"]["total"] = round(read_ms + plan.plan_ms + 1e3 * (time.perf_counter() - began), 3)
+        total_ms = read_ms + plan.scene_ms + plan.plan_ms + 1e3 * (time.perf_counter() - began)
+        document["timing_ms"]["total"] = round(total_ms, 3)
         if self._folder is not None:
             self._write_file(self._folder / f"{stem}.grasps.json", to_json(document, indent=2) + "\n")
             self._draw(plan, self._folder, stem)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import click
 
 from flatgrasp_cli.cli.completion import complete_profile
+from flatgrasp_cli.cli.mounting import mounting
 from flatgrasp_cli.cli.outputs import Outputs
 from flatgrasp_cli.errors import SourceError
 
@@ -55,6 +56,31 @@ def _positive(_context: click.Context, _parameter: click.Parameter, value: float
     help="Override a planner setting, e.g. --set fingers.step_m=0.004. Repeatable.",
 )
 @click.option(
+    "--scene",
+    type=click.Choice(["auto", "object", "table"]),
+    help="One object alone, or objects on a support plane; auto: as the cloud says.",
+)
+@click.option(
+    "--object",
+    "select",
+    metavar="all|nearest|largest|X,Y",
+    help="Which objects of a scene to plan: nearest to the sensor, largest, or nearest to a place.",
+)
+@click.option("--up", metavar="X,Y,Z", help="Direction of the support plane's normal; else the biggest plane in view.")
+@click.option("--crop", metavar="XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX", help="Region of interest in metres.")
+@click.option(
+    "--robot",
+    metavar="NAME|FILE",
+    shell_complete=complete_profile("robot"),
+    help="Robot profile: keep only grasps that it reaches, with joint angles.",
+)
+@click.option(
+    "--camera-pose",
+    metavar="FILE|X,Y,Z,QX,QY,QZ,QW",
+    help="Pose of the cloud's frame in the base frame, in which all answers are then given.",
+)
+@click.option("--base-frame", metavar="NAME", help="Name of that frame: base, base_link, …; the robot's if not given.")
+@click.option(
     "--scale",
     type=float,
     callback=_positive,
@@ -90,6 +116,13 @@ def command(
     gripper: str,
     method: str,
     overrides: tuple[str, ...],
+    scene: str | None,
+    select: str | None,
+    up: str | None,
+    crop: str | None,
+    robot: str | None,
+    camera_pose: str | None,
+    base_frame: str | None,
     scale: float,
     top: int,
     out: Path | None,
@@ -104,19 +137,28 @@ def command(
     from flatgrasp_cli.planning import plan
     from flatgrasp_cli.profiles import load_gripper, load_settings
 
-    hand, settings = load_gripper(gripper), load_settings(method, overrides)
+    asked = {"scene.mode": scene, "scene.select": _list(select), "scene.up": _list(up), "scene.crop": _list(crop)}
+    scene_settings = tuple(f"{key}={value}" for key, value in asked.items() if value is not None)
+    hand, settings = load_gripper(gripper), load_settings(method, (*scene_settings, *overrides))
+    arm = mounting(robot, camera_pose, base_frame)
     outputs = Outputs(out if as_json else out or Path(), as_json, plots)
     code = 0
     for source, stem in zip(sources, _stems(sources), strict=True):
         try:
             for cloud, read_ms in _timed(source, scale):
-                outputs.write(plan(cloud, hand, settings, top=top), stem, read_ms)
+                placed = arm.placed(cloud)
+                outputs.write(plan(placed, hand, settings, top=top, robot=arm.robot), stem, read_ms)
         except SourceError as error:
             if len(sources) == 1:
                 raise
             click.echo(f"flatgrasp: {error}", err=True)  # the other sources still get their answer
             code = error.exit_code
     return code or (NO_GRASP if outputs.refused else 0)
+
+
+def _list(text: str | None) -> str | None:
+    """Turn "a,b,c" into the YAML list that a setting of several numbers wants; a word as it is."""
+    return f"[{text}]" if text is not None and "," in text else text
 
 
 def _timed(source: str, scale: float) -> Iterator[tuple[Cloud, float]]:

@@ -27,6 +27,18 @@ class Frame:
         return world
 
 
+def axes_from_quaternion(quaternion: FloatArray) -> FloatArray:
+    """Rows (3, 3): the x, y, z axes in the world of the frame with unit `quaternion` [x, y, z, w]."""
+    x, y, z, w = quaternion
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)],
+            [2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)],
+            [2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
 def quaternion_from_axes(axes: FloatArray) -> FloatArray:
     """Unit quaternion [x, y, z, w], w ≥ 0, of the frame whose rows `axes` (3, 3) are its x, y, z axes in the world.
 

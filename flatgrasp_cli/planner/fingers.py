@@ -82,6 +82,7 @@ def _candidates_of_loop(
         arcs=arcs,
         variance=_variance(loop, (begins, ends), (start, normal), arcs, settings),
         arc_ratio=(ends - begins) / width,
+        hidden=np.zeros(len(begins)),
     )
 
 

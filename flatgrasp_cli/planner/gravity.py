@@ -9,7 +9,8 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.geometry.polygon import area_centroid, cross, share_inside
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates, Silhouette
-from flatgrasp_cli.profiles.settings import GravitySettings
+from flatgrasp_cli.planner.depth import Landing
+from flatgrasp_cli.profiles.settings import GravitySettings, PlannerSettings
 
 MOST_FRICTION = 10.0
 """Where more friction costs no more: a pair that would have to pull needs infinitely much."""
@@ -54,8 +55,29 @@ def ranking_cost(
     share = share_inside(outline.loops, fingers.contact[pairs.i], fingers.contact[pairs.j])
     friction = np.minimum(pairs.required_friction, MOST_FRICTION)
     gap = settings.gap_weight * (1 - share) * pairs.distance
-    cost = distance + gap + settings.width_weight * width + settings.friction_weight_m * friction**2
+    in_holes = (fingers.loop[pairs.i] > 0).astype(np.float64) + (fingers.loop[pairs.j] > 0)
+    cost = (
+        distance
+        + gap
+        + settings.hole_cost_m * in_holes
+        + settings.width_weight * width
+        + settings.friction_weight_m * friction**2
+    )
     return RankingCost(center, distance, share, cost)
+
+
+def landing_cost(landing: Landing, settings: PlannerSettings) -> FloatArray:
+    """What the way down to p pairs adds to their cost, metres (p,): shallow, tight or hidden grasps rank lower."""
+    weights = settings.gravity
+    shallow = np.maximum(settings.depth.good_grip_m - landing.grip, 0.0)
+    tight = np.maximum(settings.hand.preshape_m - landing.margin, 0.0)
+    unseen = landing.unseen if settings.depth.unseen == "rank" else 0.0
+    return np.asarray(
+        weights.level_weight * landing.tip
+        + weights.grip_weight * shallow
+        + weights.margin_weight * tight
+        + weights.unseen_weight * unseen
+    )
 
 
 def best_first(pairs: GraspCandidates, cost: FloatArray) -> IntArray:

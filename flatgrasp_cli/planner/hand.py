@@ -36,6 +36,13 @@ class Fit:
         """The rows that `keep` names."""
         return Fit(self.pads[:, keep], self.room[:, keep])
 
+    def beyond(self, hidden: FloatArray, gripper: Gripper, settings: HandSettings) -> Fit:
+        """The same with each pad `hidden` (2, p) farther out, as far as the hand opens: it is a guess."""
+        spare = np.maximum(gripper.max_opening_m - 2 * settings.clearance_m - self.width, 0.0)
+        total = hidden.sum(axis=0)
+        hidden = hidden * np.minimum(1.0, spare / np.where(total > 0, total, 1.0))
+        return Fit(self.pads + hidden, np.maximum(self.room - hidden, 0.0))
+
     @property
     def width(self) -> FloatArray:
         """The object's width between the pads (p,)."""
@@ -106,10 +113,11 @@ def operable(
     hand: tuple[Gripper, HandSettings],
     funnel: Funnel,
 ) -> tuple[GraspCandidates, Fit]:
-    """§III.B.5: the pairs at which fingers and palm have room, and how the hand fits them."""
+    """§III.B.5: the pairs at which the fingers have room beside the object, and how the hand fits them."""
     gripper, settings = hand
     fit_of = swept_fit if settings.operability == "swept" else eq2_fit
     fit = fit_of(outline, fingers, pairs, gripper, settings.contact_tolerance_m)
+    fit = fit.beyond(np.stack([fingers.hidden[pairs.i], fingers.hidden[pairs.j]]), gripper, settings)
     need = gripper.finger_thickness_m + settings.clearance_m
     # B.3 judged by each candidate's own stretch of boundary; the exact width may still differ.
     fits = (fit.width >= gripper.min_opening_m) & (fit.width <= gripper.max_opening_m - 2 * settings.clearance_m)
@@ -121,7 +129,18 @@ def operable(
         0.0,
         lambda value: f"most room behind a pad {max(need - value, 0.0):.3f} m, the finger needs {need:.3f} m",
     )
-    pairs, fit = pairs.select(kept), fit.select(kept)
+    return pairs.select(kept), fit.select(kept)
+
+
+def clear_of_palm(
+    outline: Silhouette,
+    fingers: FingerCandidates,
+    pairs: GraspCandidates,
+    fit: Fit,
+    gripper: Gripper,
+    funnel: Funnel,
+) -> tuple[GraspCandidates, Fit]:
+    """The pairs at which an object seen alone stays out of the palm, with the fingertips' ends in the main plane."""
     above = float(outline.heights.max())
     kept = funnel.at_most(
         "palm",

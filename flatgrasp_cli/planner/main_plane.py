@@ -9,7 +9,7 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.rectangle import minimum_area_axis
-from flatgrasp_cli.model import OrientedBox
+from flatgrasp_cli.model import OrientedBox, SupportPlane
 
 FLATTEST_RATIO = 1e-4
 """Middle over major standard deviation under which points count as lying on a line."""
@@ -23,24 +23,37 @@ def principal_axes(centred: FloatArray) -> tuple[FloatArray, FloatArray]:
     return np.sqrt(np.maximum(variances, 0.0)), axes
 
 
-def oriented_box(points: FloatArray, viewpoint: FloatArray, method: Literal["pca", "min_area"]) -> OrientedBox | None:
+def _flattened(centred: FloatArray, normal: FloatArray) -> FloatArray:
+    return np.asarray(centred - np.outer(normal, normal @ centred))
+
+
+def oriented_box(
+    points: FloatArray,
+    viewpoint: FloatArray,
+    method: Literal["pca", "min_area"],
+    support: SupportPlane | None = None,
+) -> OrientedBox | None:
     """Oriented bounding box of `points` (n, 3), its z axis toward `viewpoint` (3,); None if they span no plane.
 
     The minor axis is the covariance's smallest eigenvector. The axes of the main plane are the two others (`pca`: what
     PCL's MomentOfInertiaEstimation does, which the paper describes), or those of the smallest rectangle around the
     projection (`min_area`), which does not turn with the density of the points.
+
+    On a `support` plane the main plane is parallel to it and the box stands on it: what a sensor above sees of an
+    object tells neither its minor axis nor its bottom.
     """
     if len(points) < 3:
         return None
     mean = points.mean(axis=0)
     centred = np.ascontiguousarray((points - mean).T)  # (3, n): reductions run fast over a long last axis
-    spread, vectors = principal_axes(centred)
+    spread, vectors = principal_axes(centred if support is None else _flattened(centred, support.normal))
     if spread[1] <= max(FLATTEST_RATIO * spread[2], SMALLEST_SPREAD_M):
         return None
-    normal = vectors[:, 0]
-    if normal @ (viewpoint - mean) < 0:
+    normal, major = vectors[:, 0], vectors[:, 2]
+    if support is not None:
+        normal = support.normal
+    elif normal @ (viewpoint - mean) < 0:
         normal = -normal
-    major = vectors[:, 2]
     if method == "min_area":
         middle = np.cross(normal, major)
         along = minimum_area_axis((np.stack([major, middle]) @ centred).T)
@@ -48,6 +61,7 @@ def oriented_box(points: FloatArray, viewpoint: FloatArray, method: Literal["pca
     axes = np.stack([major, np.cross(normal, major), normal])
     local = axes @ centred
     low, high = local.min(axis=1), local.max(axis=1)
+    if support is not None:
+        low[2] = support.offset_m - support.normal @ mean
     frame = Frame(mean + 0.5 * (low + high) @ axes, axes)
-    aabb = mean + np.stack([centred.min(axis=1), centred.max(axis=1)])
-    return OrientedBox(frame, high - low, aabb)
+    return OrientedBox(frame, high - low, mean + np.stack([centred.min(axis=1), centred.max(axis=1)]))

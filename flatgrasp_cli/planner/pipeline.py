@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.geometry.frames import quaternion_from_axes
+from flatgrasp_cli.geometry.frames import Frame, quaternion_from_axes
+from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.geometry.polygon import left_normal
 from flatgrasp_cli.model import (
     FingerCandidates,
@@ -16,26 +19,88 @@ from flatgrasp_cli.model import (
     OrientedBox,
     Rejection,
     Silhouette,
+    Stage,
+    SupportPlane,
     Trace,
 )
 from flatgrasp_cli.planner.balance import force_balance, force_balanced, torque_balanced
+from flatgrasp_cli.planner.depth import PALM_CELL_M, Landing, Terrain, at_mid_height, land, upright
 from flatgrasp_cli.planner.fingers import finger_candidates, inward_directions, step_points
 from flatgrasp_cli.planner.funnel import Funnel, NothingLeft
-from flatgrasp_cli.planner.gravity import RankingCost, best_first, ranking_cost
-from flatgrasp_cli.planner.hand import Fit, centers, closing_axes, flat, in_range, on_pads, openings, operable
+from flatgrasp_cli.planner.gravity import RankingCost, best_first, landing_cost, ranking_cost
+from flatgrasp_cli.planner.hand import Fit, centers, clear_of_palm, closing_axes, flat, in_range, on_pads, operable
 from flatgrasp_cli.planner.main_plane import oriented_box
-from flatgrasp_cli.planner.silhouette import silhouette
+from flatgrasp_cli.planner.shadow import hidden_extent, in_shadow
+from flatgrasp_cli.planner.silhouette import silhouette, spacing
+from flatgrasp_cli.planner.slices import lowest_tip, slices
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
 
+CALM_CELL_M = 0.025
+MIN_CELL_M = 0.002
+"""Cells of height maps: the points' spacing, but no smaller than what matters to a finger."""
+
 
 def plan_object(cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings, top: int = 10) -> ObjectPlan:
-    """Plan the best `top` grasps of one object, with `settings` as `PlannerSettings.resolve` returns them."""
-    funnel, trace = Funnel(), Trace()
+    """Plan the best `top` grasps of one object, with `settings` as `PlannerSettings.resolve` returns them.
+
+    An object alone is planned as in the paper. Over a support plane the method runs on each of the object's slices, and
+    the grasps are those of the slice with the best one.
+    """
+    box = oriented_box(cloud.points, cloud.viewpoint, settings.main_plane.method, cloud.support)
+    if box is None:
+        end = Rejection("main_plane", _no_plane(cloud.points))
+        return ObjectPlan(cloud, (Stage("main_plane", 0),), (), end, Trace())
+    if cloud.support is None:
+        return _plan_part(cloud, _Part(box, box.frame, cloud.points), gripper, settings, top)
+    parts = _parts(cloud, box, cloud.support, settings)
+    plans = [_plan_part(cloud, part, gripper, settings, top) for part in parts]
+    return min(plans, key=lambda plan: (plan.grasps[0].cost_m if plan.grasps else np.inf, -len(plan.funnel)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Part:
+    """What the method runs on: points (n, 3), the frame to project them to, and the terrain they stand in."""
+
+    box: OrientedBox
+    frame: Frame
+    points: FloatArray
+    terrain: Terrain | None = None
+
+
+def _parts(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, settings: PlannerSettings) -> list[_Part]:
+    """The object's slices, in a frame whose origin is the box's centre brought down to the support plane."""
+    frame = replace(box.frame, origin=box.frame.origin - support.heights(box.frame.origin) * support.normal)
+    local = frame.to_local(cloud.points)
+    viewpoint = frame.to_local(cloud.viewpoint)
+    obstacles, free = frame.to_local(cloud.obstacles), frame.to_local(cloud.free)
+    free[:, 2] = _calmed(free)
+    cell_m = max(MIN_CELL_M, spacing(local[:, :2]))
+    whole = HeightMap.of(np.concatenate([local, obstacles]), max(PALM_CELL_M, cell_m))
+    fine = HeightMap.of(np.concatenate([local, obstacles, free]), cell_m)
+    parts = []
+    for piece in slices(local, cell_m, settings.depth):
+        apart = np.ones(len(local), dtype=np.bool_)
+        apart[piece.rows] = False
+        rest = HeightMap.of(np.concatenate([local[apart], obstacles, free]), cell_m)
+        lowest = lowest_tip(local[:, 2], settings.depth)
+        terrain = Terrain(piece.level_m, lowest, fine.averaged(local[piece.rows]), rest, fine, whole, viewpoint)
+        parts.append(_Part(box, frame, cloud.points[piece.rows], terrain))
+    return parts
+
+
+def _calmed(free: FloatArray) -> FloatArray:
+    """Heights (k,) of the plane's points, averaged around each: a point's own is mostly noise, a pan's floor is not."""
+    chart = HeightMap.of(free, CALM_CELL_M).averaged(free)
+    return chart.at(free[:, :2])
+
+
+def _plan_part(cloud: ObjectCloud, part: _Part, gripper: Gripper, settings: PlannerSettings, top: int) -> ObjectPlan:
+    funnel, trace = Funnel(), Trace(box=part.box, level_m=part.terrain.level_m if part.terrain else None)
     grasps: tuple[Grasp, ...] = ()
     rejection: Rejection | None = None
     try:
-        grasps = _section_three(cloud, gripper, settings, (funnel, trace), top)
+        grasps = _section_three(part, gripper, settings, (funnel, trace), top)
     except NothingLeft as end:
         rejection = end.rejection
     trace.survivors = funnel.survivors
@@ -43,15 +108,13 @@ def plan_object(cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings,
 
 
 def _section_three(
-    cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings, notes: tuple[Funnel, Trace], top: int
+    part: _Part, gripper: Gripper, settings: PlannerSettings, notes: tuple[Funnel, Trace], top: int
 ) -> tuple[Grasp, ...]:
     """The method in the paper's order; what it finds on the way goes into the funnel and the trace."""
     funnel, trace = notes
-    # A.1 the oriented bounding box and its main plane; A.2 the silhouette
-    box = trace.box = oriented_box(cloud.points, cloud.viewpoint, settings.main_plane.method)
-    if box is None:
-        raise funnel.nothing("main_plane", _no_plane(cloud.points))
-    outline = trace.silhouette = silhouette(cloud.points, box, settings.silhouette)
+    box, terrain = part.box, part.terrain
+    # A.1 is the box and its main plane; A.2 the silhouette
+    outline = trace.silhouette = silhouette(part.points, part.frame, settings.silhouette)
     funnel.count("silhouette", len(outline.loops), "the points are too scattered for an outline")
 
     # A.3 step points, finger candidates, grasping directions
@@ -60,8 +123,16 @@ def _section_three(
     chords = finger_candidates(outline, steps, gripper, settings.fingers)
     funnel.count("finger_candidates", len(chords), _no_finger_place(box, gripper))
     fingers, trace.doubted_directions = inward_directions(outline, chords, settings.fingers, settings.seed)
-    trace.fingers = fingers
     funnel.count("grasping_direction", len(fingers), "no finger candidate has the object before it")
+    if terrain is not None and terrain.level_m > terrain.lowest_m:
+        fingers = fingers.select(upright(fingers, terrain, settings.depth.wall_drop))
+        funnel.count("upright", len(fingers), "the part that stands out has no steep side")
+    if terrain is not None:
+        shadowed = in_shadow(fingers, terrain.rest)
+        fingers = replace(fingers, hidden=hidden_extent(fingers, terrain.surface, shadowed, terrain.viewpoint))
+        fingers = fingers.select(~shadowed | (fingers.loop == 0))
+        funnel.count("seen_holes", len(fingers), "the object has no outer side, and no hole that was seen through")
+    trace.fingers = fingers
 
     # B.1 force balance of all pairs; B.2 torque balance
     gamma_deg = trace.force_balance_deg = force_balance(fingers)
@@ -74,31 +145,39 @@ def _section_three(
     pairs = in_range(fingers, pairs, gripper, settings.hand, funnel)
     pairs = flat(fingers, pairs, settings.hand, funnel)
     pairs, fit = operable(outline, fingers, pairs, (gripper, settings.hand), funnel)
+    if terrain is None:
+        pairs, fit = clear_of_palm(outline, fingers, pairs, fit, gripper, funnel)
+        landing = at_mid_height(fit, gripper, settings.hand)
+    else:
+        pairs, fit, landing = land(fingers, pairs, fit, terrain, (gripper, settings), funnel)
 
     # C gravity, and the final grasp
     ranking = ranking_cost(fingers, pairs, outline, fit.width, settings.gravity)
-    order = best_first(pairs, ranking.cost)
+    cost = ranking.cost + landing_cost(landing, settings) if terrain else ranking.cost
+    order = best_first(pairs, cost)
     trace.gravity_center, trace.gravity_distance_m = ranking.center, ranking.distance[order]
     trace.ranked = np.column_stack([pairs.i, pairs.j])[order]
     best = order[:top]
-    hands = (pairs.select(best), fit.select(best), ranking.select(best))
-    return _grasps(outline, fingers, hands, openings(fit.select(best), gripper, settings.hand))
+    hands = (pairs.select(best), fit.select(best), ranking.select(best), landing.select(best))
+    return _grasps(outline, fingers, hands, cost[best], terrain is not None)
 
 
 def _grasps(
     outline: Silhouette,
     fingers: FingerCandidates,
-    hands: tuple[GraspCandidates, Fit, RankingCost],
-    opening: FloatArray,
+    hands: tuple[GraspCandidates, Fit, RankingCost, Landing],
+    cost: FloatArray,
+    on_support: bool,
 ) -> tuple[Grasp, ...]:
-    """The records of pairs, best first, their fingertip frames at the box's mid-height, facing away from the sensor.
+    """The records of pairs, best first.
 
     Hand y is the closing axis and hand z = −normal, so hand x = y × z = normal × y: y turned left in the plane.
     """
-    pairs, fit, ranking = hands
+    pairs, fit, ranking, landing = hands
     frame = outline.frame
-    position = frame.to_world(centers(fingers, pairs, fit))
-    contacts = frame.to_world(np.stack([fingers.contact[pairs.i], fingers.contact[pairs.j]], axis=1))
+    position = frame.to_world(np.column_stack([centers(fingers, pairs, fit), landing.tip]))
+    touched = np.stack([fingers.contact[pairs.i], fingers.contact[pairs.j]], axis=1)
+    contacts = frame.to_world(np.concatenate([touched, landing.contact_heights[:, :, None]], axis=2))
     hand_x, hand_y = left_normal(pairs.axis) @ frame.axes[:2], pairs.axis @ frame.axes[:2]
     variance = fingers.variance[pairs.i] + fingers.variance[pairs.j]
     arc_ratio = np.maximum(fingers.arc_ratio[pairs.i], fingers.arc_ratio[pairs.j])
@@ -107,7 +186,7 @@ def _grasps(
             rank=k + 1,
             position=position[k],
             orientation=quaternion_from_axes(np.stack([hand_x[k], hand_y[k], -frame.axes[2]])),
-            opening_m=float(opening[k]),
+            opening_m=float(landing.opening[k]),
             width_m=float(fit.width[k]),
             contacts=contacts[k],
             fingers=(int(pairs.i[k]), int(pairs.j[k])),
@@ -118,7 +197,10 @@ def _grasps(
             gravity_distance_m=float(ranking.distance[k]),
             inside_share=float(ranking.inside_share[k]),
             arc_ratio=float(arc_ratio[k]),
-            cost_m=float(ranking.cost[k]),
+            cost_m=float(cost[k]),
+            tip_height_m=float(landing.tip[k]) if on_support else None,
+            grip_m=float(landing.grip[k]) if on_support else None,
+            unseen_m=float(landing.unseen[k]) if on_support else None,
         )
         for k in range(len(pairs))
     )

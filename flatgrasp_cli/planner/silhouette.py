@@ -8,7 +8,8 @@ import numpy as np
 
 from flatgrasp_cli.geometry.alpha_shape import CellGrid, alpha_region
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
-from flatgrasp_cli.model import OrientedBox, Silhouette
+from flatgrasp_cli.geometry.frames import Frame
+from flatgrasp_cli.model import Silhouette
 from flatgrasp_cli.profiles.settings import SilhouetteSettings
 
 NEIGHBOURS = 6
@@ -18,19 +19,19 @@ MIN_ALPHA_M = 0.003
 ALPHA_GROWTH = 1.5
 
 
-def silhouette(points: FloatArray, box: OrientedBox, settings: SilhouetteSettings) -> Silhouette:
-    """The concave hull of `points` (n, 3) projected to the box's main plane, an ordered simple polygon with holes.
+def silhouette(points: FloatArray, frame: Frame, settings: SilhouetteSettings) -> Silhouette:
+    """The concave hull of `points` (n, 3) projected to the main plane, `frame`'s x-y plane: a polygon with holes.
 
     α grows until one piece holds the share of the points that the settings ask for; what is detached from it then
     counts for nothing.
     """
-    local = box.frame.to_local(points)
+    local = frame.to_local(points)
     projected, heights = np.ascontiguousarray(local[:, :2]), local[:, 2]
     alpha_m = settings.alpha_m or max(MIN_ALPHA_M, 2 * spacing(projected))
     grid, member = _one_piece(projected, alpha_m, settings.min_coverage)
     region = alpha_region(grid, member)
     loops = _loops(region, settings) if region is not None else ()
-    return Silhouette(box.frame, loops, projected, heights, grid.alpha_m, float(member.mean()))
+    return Silhouette(frame, loops, projected, heights, grid.alpha_m, float(member.mean()))
 
 
 def spacing(points: FloatArray) -> float:

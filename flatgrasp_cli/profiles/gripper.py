@@ -29,6 +29,8 @@ class Gripper(Profile):
     """From the palm to the fingertips' ends, fully open."""
     tip_advance_m: Length = 0.0
     """How far the fingertips move away from the palm from fully open to closed (arc linkages)."""
+    palm_offset_m: Length = 0.0
+    """From the robot's flange to the palm, any adapter included."""
     hand_width_m: PositiveLength
     """w_h: the palm's size across the closing axis."""
     palm_m: PositiveLength
@@ -48,6 +50,10 @@ class Gripper(Profile):
     def jaw_width_m(self, jaw: int) -> float:
         """Width of a jaw from the outer edge of its first finger to that of its last."""
         return self.finger_width_m + max(self.jaws[jaw]) - min(self.jaws[jaw])
+
+    def finger_length_at_m(self, opening_m: float) -> float:
+        """From the palm to the fingertips' ends at an opening: arc linkages push them out as they close."""
+        return self.finger_length_m + self.tip_advance_m * (1 - min(opening_m / self.max_opening_m, 1.0))
 
     @property
     def symmetric(self) -> bool:

@@ -14,11 +14,12 @@ from pydantic import BaseModel, ValidationError
 from flatgrasp_cli.errors import ProfileError
 from flatgrasp_cli.profiles.base import Profile
 from flatgrasp_cli.profiles.gripper import Gripper
-from flatgrasp_cli.profiles.robot import Robot
+from flatgrasp_cli.profiles.robot import CameraPose, Robot
 from flatgrasp_cli.profiles.settings import PlannerSettings
 
 FOLDERS: dict[str, str] = {"gripper": "grippers", "robot": "robots", "planner": "planner"}
 MODELS: dict[str, type[Profile]] = {"gripper": Gripper, "robot": Robot, "planner": PlannerSettings}
+POSE_NUMBERS = 7
 MAX_BYTES = 1_000_000
 P = TypeVar("P", bound=Profile)
 
@@ -62,6 +63,26 @@ def load_gripper(name_or_path: str) -> Gripper:
 def load_robot(name_or_path: str) -> Robot:
     """Load a robot profile by name ("ur5") or by path; raises `ProfileError` as `load_gripper` does."""
     return _load(Robot, "robot", name_or_path)
+
+
+def load_camera_pose(text: str) -> CameraPose:
+    """A camera's pose from "x,y,z,qx,qy,qz,qw", or from a YAML file with `position_m` and `orientation_xyzw`.
+
+    Raises
+    ------
+    ProfileError
+        If there is no such file, or the numbers are not a pose.
+    """
+    if len(text.split(",")) == POSE_NUMBERS:
+        try:
+            numbers = [float(part) for part in text.split(",")]
+        except ValueError:
+            raise ProfileError(f"camera pose {text!r}: seven numbers are wanted, x,y,z,qx,qy,qz,qw") from None
+        data: dict[str, Any] = {"position_m": numbers[:3], "orientation_xyzw": numbers[3:]}
+        return _validate(CameraPose, data, Path("camera pose"))
+    if not Path(text).is_file():
+        raise ProfileError(f"camera pose {text!r} is neither a file nor seven numbers x,y,z,qx,qy,qz,qw")
+    return _validate(CameraPose, _read_yaml(Path(text)), Path(text))
 
 
 def load_settings(name_or_path: str = "default", overrides: tuple[str, ...] = ()) -> PlannerSettings:

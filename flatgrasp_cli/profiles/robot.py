@@ -10,6 +10,8 @@ from pydantic import Field, model_validator
 from flatgrasp_cli.profiles.base import PositiveLength, Profile
 
 SixNumbers = tuple[float, float, float, float, float, float]
+UR_ALPHA_DEG: SixNumbers = (90.0, 0.0, 0.0, 90.0, -90.0, 0.0)
+"""The twists that make the lift, elbow and wrist 1 axes parallel, on which the closed-form kinematics rests."""
 
 
 class DenavitHartenberg(Profile):
@@ -18,6 +20,18 @@ class DenavitHartenberg(Profile):
     d_m: SixNumbers
     a_m: SixNumbers
     alpha_deg: SixNumbers
+
+    @model_validator(mode="after")
+    def _of_the_family(self) -> Self:
+        (_, d2, d3, *_), (a1, a2, a3, *rest) = self.d_m, self.a_m
+        if (d2, d3, a1, *rest) != (0.0,) * 6 or self.alpha_deg != UR_ALPHA_DEG:
+            raise ValueError(
+                "only arms of the UR family are known: d_m 2 and 3 and a_m 1, 4, 5 and 6 must be 0, "
+                f"alpha_deg {list(map(int, UR_ALPHA_DEG))}"
+            )
+        if a2 * a3 == 0:
+            raise ValueError("a_m 2 and 3, the lengths of upper arm and forearm, must not be 0")
+        return self
 
 
 class JointLimits(Profile):
@@ -45,6 +59,19 @@ class LinkRadii(Profile):
     wrist_m: PositiveLength
 
 
+class ReachSettings(Profile):
+    """How a grasp is approached and lifted, and what the arm must keep on the way."""
+
+    reference_deg: SixNumbers
+    """Joint angles of the arm's usual stance: of several ways to reach a grasp the nearest to it is taken."""
+    steps: Annotated[int, Field(ge=1, le=1000)]
+    """Waypoints from the pre-grasp pose to the grasp, and again from there to the end of the lift."""
+    max_step_deg: Annotated[float, Field(gt=0, le=180)]
+    """The most that a joint may turn from one waypoint to the next."""
+    min_manipulability_share: Annotated[float, Field(ge=0, lt=1)]
+    """Least manipulability, as a share of the arm's largest."""
+
+
 class CameraPose(Profile):
     """Pose of a camera's optical frame in the robot's `base_frame`."""
 
@@ -57,6 +84,11 @@ class CameraPose(Profile):
             raise ValueError("orientation_xyzw must be a unit quaternion")
         return self
 
+    def half_turned(self) -> CameraPose:
+        """The same pose seen from a base turned by 180° about z: from `base` in `base_link`, or back."""
+        (x, y, z), (qx, qy, qz, qw) = self.position_m, self.orientation_xyzw
+        return CameraPose(position_m=(-x, -y, z), orientation_xyzw=(-qy, qx, qw, -qz))
+
 
 class Robot(Profile):
     """A six-joint arm of the UR family, by its Denavit–Hartenberg rows."""
@@ -68,6 +100,14 @@ class Robot(Profile):
     dh: DenavitHartenberg
     joints: JointLimits
     links: LinkRadii
+    reach: ReachSettings
     reach_m: PositiveLength
     payload_kg: Annotated[float, Field(gt=0)]
     camera_pose: CameraPose | None = None
+
+    @model_validator(mode="after")
+    def _stands_within_limits(self) -> Self:
+        limits = zip(self.joints.lower_deg, self.reach.reference_deg, self.joints.upper_deg, strict=True)
+        if any(not low <= reference <= high for low, reference, high in limits):
+            raise ValueError("every reference_deg must lie within its joint's limits")
+        return self

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from flatgrasp_cli.profiles.base import Length, PositiveLength, Profile
 from flatgrasp_cli.profiles.gripper import Gripper
@@ -13,6 +13,49 @@ from flatgrasp_cli.profiles.gripper import Gripper
 Angle = Annotated[float, Field(gt=0, le=180)]
 Weight = Annotated[float, Field(ge=0, le=100)]
 Share = Annotated[float, Field(gt=0, lt=1)]
+
+
+class SceneSettings(Profile):
+    """Before the paper: the support plane and the objects on it."""
+
+    mode: Literal["auto", "object", "table"]
+    """Whether the cloud shows one object alone or objects on a support plane; auto: as the cloud says."""
+    crop: tuple[float, float, float, float, float, float] | None
+    """Region of interest: x_min, x_max, y_min, y_max, z_min, z_max in metres; what lies outside does not exist."""
+    select: Literal["all", "nearest", "largest"] | tuple[float, float]
+    """Which objects are planned: all, the one nearest to the sensor, the largest, or the one nearest to (x, y)."""
+    up: tuple[float, float, float] | None
+    """Normal of the support plane, roughly, in the cloud's frame; None: the biggest plane facing the sensor."""
+    max_tilt_deg: Angle
+    """How far the support plane's normal may lie from `up`."""
+    max_view_deg: Angle
+    """Without `up`: how far it may lie from the direction to the sensor."""
+    min_plane_share: Share
+    """Share of the points that a support plane has at least."""
+    min_height_m: PositiveLength
+    """Least height of an object."""
+    noise_factor: Annotated[float, Field(ge=1, le=20)]
+    """An object stands this many standard deviations of the support plane's raster above it."""
+    gap_m: Length
+    """Parts of an object may be this far apart; objects closer than this count as one."""
+    min_size_m: PositiveLength
+    """Objects whose footprint is smaller than a square of this side are taken for outliers."""
+    max_size_m: PositiveLength
+    """What is longer is no object but furniture, and only an obstacle."""
+
+    @field_validator("crop")
+    @classmethod
+    def _ordered(cls, crop: tuple[float, ...] | None) -> tuple[float, ...] | None:
+        if crop is not None and not all(low < high for low, high in zip(crop[::2], crop[1::2], strict=True)):
+            raise ValueError("every minimum must be below its maximum")
+        return crop
+
+    @field_validator("up")
+    @classmethod
+    def _direction(cls, up: tuple[float, float, float] | None) -> tuple[float, float, float] | None:
+        if up is not None and not math.hypot(*up) > 0:
+            raise ValueError("must not be zero")
+        return up
 
 
 class MainPlaneSettings(Profile):
@@ -94,6 +137,35 @@ class HandSettings(Profile):
     """Boundary this far beyond the contact still counts as the contact."""
 
 
+class DepthSettings(Profile):
+    """Over a support plane: how deep the fingertips go, and what they and the palm keep clear of."""
+
+    table_clearance_m: Length
+    """Free space between fingertips and support plane."""
+    min_clearance_m: Length
+    """The same for an object hardly higher than that."""
+    low_object_share: Share
+    """Fingertips go down to this share of a low object's height."""
+    palm_clearance_m: Length
+    """Free space between the palm and whatever is highest below it."""
+    obstacle_clearance_m: Length
+    """Free space between fingertips and what lies below them."""
+    min_grip_m: PositiveLength
+    """Least height of the pads on the object; half of the object's height where that is less."""
+    good_grip_m: PositiveLength
+    """Height of the pads on the object beyond which more is no better."""
+    slice_step_m: PositiveLength
+    """Outlines are taken at levels this far apart."""
+    wall_drop: Annotated[float, Field(ge=0, le=20)]
+    """Least steepness of the object below the fingertips: a flatter flank would push the fingers off."""
+    unseen: Literal["rank", "refuse", "ignore"]
+    """Finger places that no ray reached, in the object's shadow: rank lower, refuse, or take for free."""
+    approach_m: Length
+    """From the pre-grasp pose to the grasp, along the approach."""
+    lift_m: Length
+    """From the grasp to the lift pose, along the support plane's normal."""
+
+
 class GravitySettings(Profile):
     """§III.C: gravity and the final choice."""
 
@@ -105,6 +177,16 @@ class GravitySettings(Profile):
     """Cost of each metre of width."""
     friction_weight_m: Weight
     """Cost of required friction 1; of less in proportion to its square, so that a small slant costs nothing."""
+    level_weight: Weight
+    """Cost of each metre that the fingertips stay above the support plane."""
+    grip_weight: Weight
+    """Cost of each metre that the pads' height on the object falls short of `depth.good_grip_m`."""
+    margin_weight: Weight
+    """Cost of each metre that the space beside a pad falls short of `hand.preshape_m`."""
+    hole_cost_m: Length
+    """Cost of a finger in a hole, where it has little room on any side."""
+    unseen_weight: Weight
+    """Cost of each metre beside the pads that no ray reached."""
 
 
 class PlannerSettings(Profile):
@@ -113,11 +195,13 @@ class PlannerSettings(Profile):
     profile: Literal["planner"] = "planner"
     name: str
     seed: Annotated[int, Field(ge=0)]
+    scene: SceneSettings
     main_plane: MainPlaneSettings
     silhouette: SilhouetteSettings
     fingers: FingerSettings
     balance: BalanceSettings
     hand: HandSettings
+    depth: DepthSettings
     gravity: GravitySettings
 
     def resolve(self, gripper: Gripper) -> PlannerSettings:

@@ -12,7 +12,9 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from flatgrasp_cli.model import Grasp, ObjectPlan, OrientedBox, Silhouette
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.frames import axes_from_quaternion
+from flatgrasp_cli.model import Grasp, ObjectPlan, OrientedBox, Reach, Silhouette, SupportPlane
 from flatgrasp_cli.planner.gravity import gravity_center
 from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.profiles import Gripper, PlannerSettings, Robot
@@ -24,6 +26,7 @@ DECIMALS = 9
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Vector2 = tuple[Number, Number]
 Vector3 = tuple[Number, Number, Number]
+Vector6 = tuple[Number, Number, Number, Number, Number, Number]
 Vector4 = tuple[Number, Number, Number, Number]
 Status = Literal["ok", "no_grasp"]
 
@@ -45,10 +48,11 @@ class SourcePart(_Part):
 
 
 class SupportPlanePart(_Part):
-    """The plane that objects stand on: normal · p = offset_m."""
+    """The plane that objects stand on: normal · p = offset_m; `noise_m` is its own points' scatter about it."""
 
     normal: Vector3
     offset_m: Number
+    noise_m: Number
 
 
 class BoxPart(_Part):
@@ -67,11 +71,15 @@ class AabbPart(_Part):
 
 
 class SilhouettePart(_Part):
-    """Loops of [u, v] in metres in the plane through `origin` along `axes`; the outer loop first, counter-clockwise."""
+    """Loops of [u, v] in metres in the plane through `origin` along `axes`; the outer loop first, counter-clockwise.
+
+    They outline what lies higher than `level_m` over the support plane; null for an object seen alone.
+    """
 
     origin: Vector3
     axes: tuple[Vector3, Vector3]
     loops: list[list[Vector2]]
+    level_m: Number | None
     alpha_m: Number
     coverage: Number
 
@@ -115,7 +123,11 @@ class PosePart(_Part):
 
 
 class MetricsPart(_Part):
-    """What the method measured of a grasp. `required_friction` is null when no friction would hold it."""
+    """What the method measured of a grasp. `required_friction` is null when no friction would hold it.
+
+    Over a support plane, else null: the fingertips end `tip_height_m` above it, the pads cover `grip_m` of the object's
+    height, and the sensor did not see `unseen_m` of the fingers' way.
+    """
 
     force_balance_deg: Number
     torque_arm_m: Number
@@ -125,24 +137,57 @@ class MetricsPart(_Part):
     inside_share: Number
     arc_ratio: Number
     cost_m: Number
+    tip_height_m: Number | None
+    grip_m: Number | None
+    unseen_m: Number | None
+
+
+class JointsPart(_Part):
+    """Joint angles in radians, base to wrist."""
+
+    pre_grasp: Vector6
+    grasp: Vector6
+    lift: Vector6
+
+
+class ReachPart(_Part):
+    """Whether the robot can carry out the grasp: the joints, or the first `waypoint` and the `limit` that failed there.
+
+    `twin` says that the hand is turned by 180° about its approach. `manipulability` is the least on the way, in m³.
+    """
+
+    ok: bool
+    joints_rad: JointsPart | None
+    manipulability: Number | None
+    manipulability_share: Number | None
+    twin: bool
+    waypoint: str | None
+    limit: str | None
 
 
 class GraspPart(_Part):
-    """One grasp; `contacts` and `fingers` are the −y side's and the +y side's."""
+    """One grasp; `contacts` and `fingers` are the −y side's and the +y side's.
+
+    The hand goes from `pre_grasp`, open to `opening_m`, to `pose`, closes, and goes to `lift`. An arc linkage's tips
+    are `tip_shift_m` short of `pose` until they have closed.
+    """
 
     rank: int
     pose: PosePart
+    pre_grasp: PosePart
+    lift: PosePart
+    tip_shift_m: Number
     opening_m: Number
     width_m: Number
     contacts: tuple[Vector3, Vector3]
     fingers: tuple[int, int]
     metrics: MetricsPart
     cage: None
-    reach: None
+    reach: ReachPart | None
 
 
 class ObjectPart(_Part):
-    """One object: what was found of it, and its grasps, best first."""
+    """One object: what was found of it, and its grasps, best first; `refused` are those out of the robot's reach."""
 
     id: int
     points: int
@@ -156,6 +201,7 @@ class ObjectPart(_Part):
     fingers: FingersPart
     funnel: list[StagePart]
     grasps: list[GraspPart]
+    refused: list[GraspPart]
 
 
 class TimingPart(_Part):
@@ -215,15 +261,15 @@ def to_document(plan: Plan, read_ms: float = 0.0, total_ms: float | None = None)
         ),
         frame_id=cloud.frame_id,
         gripper=plan.gripper,
-        robot=None,
+        robot=plan.robot,
         settings=plan.settings,
-        support_plane=None,
-        objects=[_object(item, plan.settings.gravity.center) for item in plan.objects],
+        support_plane=plan.scene.support and _plane(plan.scene.support),
+        objects=[_object(item, plan) for item in plan.objects],
         timing_ms=TimingPart(
             read=round(read_ms, 3),
-            scene=0.0,
+            scene=round(plan.scene_ms, 3),
             plan=round(plan.plan_ms, 3),
-            total=round(read_ms + plan.plan_ms if total_ms is None else total_ms, 3),
+            total=round(read_ms + plan.scene_ms + plan.plan_ms if total_ms is None else total_ms, 3),
         ),
     )
     return document.model_dump(mode="json", by_alias=True)
@@ -235,7 +281,13 @@ def to_json(document: dict[str, Any], *, indent: int | None = None) -> str:
     return json.dumps(document, indent=indent, separators=separators, allow_nan=False, ensure_ascii=False)
 
 
-def _object(item: ObjectPlan, used: Literal["area", "points"]) -> ObjectPart:
+def _plane(plane: SupportPlane) -> SupportPlanePart:
+    return SupportPlanePart(
+        normal=_numbers(plane.normal), offset_m=_number(plane.offset_m), noise_m=_number(plane.noise_m)
+    )
+
+
+def _object(item: ObjectPlan, plan: Plan) -> ObjectPart:
     trace, rejection = item.trace, item.rejection
     outline, box = trace.silhouette, trace.box
     return ObjectPart(
@@ -247,13 +299,16 @@ def _object(item: ObjectPlan, used: Literal["area", "points"]) -> ObjectPart:
         and MissPart(stage=rejection.stage, value=_number(rejection.value), limit=_number(rejection.limit)),
         obb=box and _box(box),
         aabb=box and AabbPart(min=_numbers(box.aabb[0]), max=_numbers(box.aabb[1])),
-        silhouette=outline and _silhouette(outline),
-        gravity_center=_gravity(outline, used) if outline is not None and outline.loops else None,
+        silhouette=outline and _silhouette(outline, trace.level_m),
+        gravity_center=_gravity(outline, plan.settings.gravity.center)
+        if outline is not None and outline.loops
+        else None,
         fingers=FingersPart(
             step_m=_number(trace.steps[0].step_m) if trace.steps else None, doubted_directions=trace.doubted_directions
         ),
         funnel=[StagePart(stage=stage.stage, kept=stage.kept) for stage in item.funnel],
-        grasps=[_grasp(grasp) for grasp in item.grasps],
+        grasps=[_grasp(grasp, item, plan) for grasp in item.grasps],
+        refused=[_grasp(grasp, item, plan) for grasp in item.refused],
     )
 
 
@@ -261,11 +316,12 @@ def _box(box: OrientedBox) -> BoxPart:
     return BoxPart(center=_numbers(box.frame.origin), axes=_numbers(box.frame.axes), size_m=_numbers(box.size))
 
 
-def _silhouette(outline: Silhouette) -> SilhouettePart:
+def _silhouette(outline: Silhouette, level_m: float | None) -> SilhouettePart:
     return SilhouettePart(
         origin=_numbers(outline.frame.origin),
         axes=_numbers(outline.frame.axes[:2]),
         loops=[_numbers(loop) for loop in outline.loops],
+        level_m=_number(level_m),
         alpha_m=_number(outline.alpha_m),
         coverage=_number(outline.coverage),
     )
@@ -281,17 +337,40 @@ def _gravity(outline: Silhouette, used: Literal["area", "points"]) -> GravityPar
     )
 
 
-def _grasp(grasp: Grasp) -> GraspPart:
+def _grasp(grasp: Grasp, item: ObjectPlan, plan: Plan) -> GraspPart:
+    approach = axes_from_quaternion(grasp.orientation)[2]
+    support, depth, gripper = item.object.support, plan.settings.depth, plan.gripper
+    up = -approach if support is None else support.normal
+
+    def pose(position: FloatArray) -> PosePart:
+        return PosePart(position=_numbers(position), orientation=_numbers(grasp.orientation))
+
     return GraspPart(
         rank=grasp.rank,
-        pose=PosePart(position=_numbers(grasp.position), orientation=_numbers(grasp.orientation)),
+        pose=pose(grasp.position),
+        pre_grasp=pose(grasp.position - depth.approach_m * approach),
+        lift=pose(grasp.position + depth.lift_m * up),
+        tip_shift_m=_number(gripper.finger_length_at_m(grasp.width_m) - gripper.finger_length_at_m(grasp.opening_m)),
         opening_m=_number(grasp.opening_m),
         width_m=_number(grasp.width_m),
         contacts=_numbers(grasp.contacts),
         fingers=grasp.fingers,
         metrics=MetricsPart(**{name: _number(getattr(grasp, name)) for name in MetricsPart.model_fields}),
         cage=None,
-        reach=None,
+        reach=grasp.reach and _reach(grasp.reach),
+    )
+
+
+def _reach(reach: Reach) -> ReachPart:
+    joints = None if reach.joints_rad is None else _numbers(reach.joints_rad)
+    return ReachPart(
+        ok=reach.ok,
+        joints_rad=joints and JointsPart(pre_grasp=joints[0], grasp=joints[1], lift=joints[2]),
+        manipulability=_number(reach.manipulability),
+        manipulability_share=_number(reach.manipulability_share),
+        twin=reach.twin,
+        waypoint=reach.waypoint,
+        limit=reach.limit,
     )
 
 

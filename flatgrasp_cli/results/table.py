@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from flatgrasp_cli.geometry.frames import axes_from_quaternion
 from flatgrasp_cli.planning import Plan
 
 if TYPE_CHECKING:
@@ -23,8 +24,7 @@ def grasp_table(plan: Plan) -> Table:
         table.add_column(heading, justify="right")
     for item in plan.objects:
         for grasp in item.grasps[:ROWS]:
-            x, y, z, w = grasp.orientation
-            approach = (2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y))
+            approach = axes_from_quaternion(grasp.orientation)[2]
             table.add_row(
                 str(item.object.id),
                 str(grasp.rank),
@@ -41,5 +41,5 @@ def grasp_table(plan: Plan) -> Table:
 
 def refusal(plan: Plan) -> str:
     """Why there is no grasp, in one line: the reason and the stage that kept nothing."""
-    last = plan.objects[0].funnel[-1].stage
-    return f"no grasp: {plan.reason} (stage {last})"
+    stage = f" (stage {plan.objects[0].funnel[-1].stage})" if plan.objects else ""
+    return f"no grasp: {plan.reason}{stage}"

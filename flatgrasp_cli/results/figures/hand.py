@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.geometry.frames import Frame
+from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion
 from flatgrasp_cli.model import Grasp
 from flatgrasp_cli.profiles import Gripper
 from flatgrasp_cli.results.figures.style import BLUE, GREEN, MM, ORANGE, RED
@@ -17,9 +17,7 @@ AXIS_MM = 12.0
 
 def hand_in_plane(grasp: Grasp, frame: Frame) -> tuple[FloatArray, FloatArray, FloatArray]:
     """The hand's origin and its x and y axes (2,) in the main plane's coordinates."""
-    x, y, z, w = grasp.orientation
-    hand_x = np.array([1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)])
-    hand_y = np.array([2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)])
+    hand_x, hand_y, _ = axes_from_quaternion(grasp.orientation)
     origin = frame.to_local(grasp.position[None])[0, :2]
     return origin, frame.axes[:2] @ hand_x, frame.axes[:2] @ hand_y
 

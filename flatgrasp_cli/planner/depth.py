@@ -1,0 +1,206 @@
+"""Beyond the paper: how deep the fingertips go over a support plane, and what fingers and palm keep clear of.
+
+The hand comes straight down on the plane, so fingers and palm sweep upright boxes: they meet a point exactly when it
+lies over their footprint, above their end. A map of the highest points answers that for all pairs at once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
+from flatgrasp_cli.geometry.polygon import left_normal
+from flatgrasp_cli.model import FingerCandidates, GraspCandidates
+from flatgrasp_cli.planner.funnel import Funnel
+from flatgrasp_cli.planner.hand import Fit, centers, openings
+from flatgrasp_cli.profiles.gripper import Gripper
+from flatgrasp_cli.profiles.settings import HandSettings, PlannerSettings
+
+PALM_CELL_M = 0.005
+WALL_INWARD_M = (0.001, 0.002, 0.003, 0.004, 0.005)
+"""How far in from the outline the top of the wall that a pad rests on is looked for."""
+FLANK_OUTWARD_M = (0.002, 0.003, 0.004)
+ALONG_PAD = (-0.4, -0.2, 0.0, 0.2, 0.4)
+"""Places along a pad, in widths of it."""
+AT_CONTACT_M = 0.005
+"""So near to the pad what is seen may be the object that it rests on."""
+MARGINS = 4
+LOWER_M = 0.001
+"""A smaller opening must let the fingertips down by more than this to be chosen."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Terrain:
+    """What a slice above `level_m` stands on and amid: height maps over the support plane.
+
+    `surface` is the mean height of the slice's own points. `rest` is the highest of all others that fingers can meet,
+    the free plane being 0 and what no ray reached −inf; `fine` that of everything, for the parts of fingers that are
+    away from the contact, and `whole` the same, coarser, for the palm. `viewpoint` (3,) is the sensor's, and `lowest_m`
+    where fingertips may end.
+    """
+
+    level_m: float
+    lowest_m: float
+    surface: HeightMap
+    rest: HeightMap
+    fine: HeightMap
+    whole: HeightMap
+    viewpoint: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Landing:
+    """How the hand comes down on p pairs: `opening` to come with, `tip` height over the plane, both (p,).
+
+    `grip` is the pads' height on the object, `margin` the free space beside each pad, `unseen` how much of the fingers'
+    way, both sides together, no ray reached; `contact_heights` (p, 2) are those at which the two sides were seen. Of an
+    object seen alone grip and unseen are not known: NaN.
+    """
+
+    opening: FloatArray
+    tip: FloatArray
+    grip: FloatArray
+    margin: FloatArray
+    unseen: FloatArray
+    contact_heights: FloatArray
+
+    def select(self, keep: IntArray) -> Landing:
+        """The rows that `keep` names."""
+        return Landing(*(getattr(self, column.name)[keep] for column in fields(self)))
+
+
+def at_mid_height(fit: Fit, gripper: Gripper, settings: HandSettings) -> Landing:
+    """How the hand comes to an object seen alone: fingertips in the main plane, at the box's mid-height."""
+    opening, unknown = openings(fit, gripper, settings), np.full(len(fit.width), np.nan)
+    level = np.zeros(len(opening))
+    return Landing(opening, level, unknown, 0.5 * (opening - fit.width), unknown, np.stack([level, level], axis=1))
+
+
+def upright(fingers: FingerCandidates, terrain: Terrain, wall_drop: float) -> BoolArray:
+    """Which candidates (m,) stand before a wall, and not on a flank that goes on outward below the slice's level."""
+    outward = _pad_places(fingers, [-distance for distance in FLANK_OUTWARD_M])
+    drop = terrain.level_m - np.maximum(terrain.rest.at(outward), 0.0)
+    steep = drop >= wall_drop * np.array(FLANK_OUTWARD_M)[:, None]
+    return np.asarray(steep.mean(axis=(1, 2)) >= 0.5)
+
+
+def wall_tops(fingers: FingerCandidates, terrain: Terrain) -> FloatArray:
+    """Height (m,) over the plane of the wall before each candidate: typical of the places along the pad."""
+    tops = terrain.surface.at(_pad_places(fingers, WALL_INWARD_M)).max(axis=1)
+    return np.asarray(np.median(np.where(np.isfinite(tops), tops, terrain.level_m), axis=1))
+
+
+def _seen_heights(fingers: FingerCandidates, terrain: Terrain) -> FloatArray:
+    """Mean height (m,) of what was seen at each candidate's boundary; the slice's level where nothing was."""
+    seen = terrain.surface.at(_pad_places(fingers, WALL_INWARD_M[:3])).reshape(len(fingers), -1)
+    known = np.isfinite(seen)
+    total = np.where(known, seen, 0.0).sum(axis=1)
+    return np.where(known.any(axis=1), total / np.maximum(known.sum(axis=1), 1), terrain.level_m)
+
+
+def _pad_places(fingers: FingerCandidates, inward: tuple[float, ...] | list[float]) -> FloatArray:
+    """Points (m, len(inward), 5, 2) `inward` of each candidate's chord, at places along it."""
+    along = fingers.end - fingers.start
+    places = fingers.contact[:, None, :] + np.array(ALONG_PAD)[:, None] * along[:, None, :]
+    return np.asarray(places[:, None] + np.array(inward)[:, None, None] * fingers.direction[:, None, None, :])
+
+
+def land(
+    fingers: FingerCandidates,
+    pairs: GraspCandidates,
+    fit: Fit,
+    terrain: Terrain,
+    hand: tuple[Gripper, PlannerSettings],
+    funnel: Funnel,
+) -> tuple[GraspCandidates, Fit, Landing]:
+    """The pairs on which the hand can come down far enough, and how it does."""
+    gripper, settings = hand
+    depth = settings.depth
+    margins = _margins(fit, gripper, settings)
+    below, unseen = _under_fingers(fingers, pairs, fit, margins, (terrain, gripper, settings.hand.clearance_m))
+    palm = _under_palm(centers(fingers, pairs, fit), pairs.axis, terrain, gripper)
+    tips = np.where(below > depth.min_clearance_m, below + depth.obstacle_clearance_m, terrain.lowest_m)
+    tips = np.maximum(tips, palm + depth.palm_clearance_m - gripper.finger_length_m)
+    tips = np.maximum(tips, max(terrain.lowest_m, terrain.level_m - depth.slice_step_m))  # deeper is a lower slice's
+    choice = np.argmax(tips <= tips.min(axis=0) + LOWER_M, axis=0)  # widest of those that let the tips down
+    rows = np.arange(len(pairs))
+    tops = wall_tops(fingers, terrain)
+    top = np.minimum(tops[pairs.i], tops[pairs.j])
+    tip, margin = tips[choice, rows], margins[choice, rows]
+    sides = np.stack([_seen_heights(fingers, terrain)[side] for side in (pairs.i, pairs.j)], axis=1)
+    ends = np.stack([tip, np.maximum(top, tip)], axis=1)
+    sides = np.where(sides < tip[:, None], ends.mean(axis=1, keepdims=True), np.minimum(sides, ends[:, 1:]))
+    landing = Landing(fit.width + 2 * margin, tip, top - tip, margin, unseen[choice, rows], sides)
+    need = np.minimum(depth.min_grip_m, 0.5 * np.maximum(top, 0.0))
+
+    def miss(value: float) -> str:
+        return f"the pads would end {value:.3f} m too high: something below the fingers or the palm keeps the hand up"
+
+    kept = funnel.at_most("depth", pairs, need - landing.grip, 0.0, miss)
+    if depth.unseen == "refuse":
+        seen = funnel.at_most(
+            "unseen", pairs.select(kept), landing.unseen[kept], 0.0, lambda value: f"{value:.3f} m of the way is hidden"
+        )
+        kept = kept[seen]
+    return pairs.select(kept), fit.select(kept), landing.select(kept)
+
+
+def _margins(fit: Fit, gripper: Gripper, settings: PlannerSettings) -> FloatArray:
+    """Free space (MARGINS, p) beside each pad to come with: from what is aimed at down to the least."""
+    room = fit.room.min(axis=0) - gripper.finger_thickness_m
+    most = np.minimum(np.minimum(room, settings.hand.preshape_m), 0.5 * (gripper.max_opening_m - fit.width))
+    least = np.minimum(settings.hand.clearance_m, most)
+    return np.asarray(np.linspace(most, least, MARGINS))
+
+
+def _under_fingers(
+    fingers: FingerCandidates,
+    pairs: GraspCandidates,
+    fit: Fit,
+    margins: FloatArray,
+    world: tuple[Terrain, Gripper, float],
+) -> tuple[FloatArray, FloatArray]:
+    """Highest point, and length that no ray reached, (MARGINS, p) below fingers that come that far from the pads."""
+    terrain, gripper, clearance_m = world
+    cell = terrain.rest.cell_m
+    out = np.arange(0.5 * cell, float(margins.max()) + gripper.finger_thickness_m + cell, cell)
+    middle, across = centers(fingers, pairs, fit), left_normal(pairs.axis)
+    half = 0.5 * fit.width
+    count = len(out)
+    reach = np.clip(np.ceil((margins + gripper.finger_thickness_m) / cell).astype(np.intp) - 1, 0, count - 1)
+    highest, hidden = np.full(margins.shape, UNSEEN), np.zeros(margins.shape)
+    across_finger = _steps(gripper.finger_width_m + 2 * clearance_m, cell)
+    for side, sign in ((0, -1.0), (1, 1.0)):
+        x = np.concatenate([offset + across_finger for offset in gripper.jaws[side]])
+        begin = middle[None] + (sign * half[:, None] * pairs.axis)[None] + x[:, None, None] * across[None]
+        rows_max, rows_hidden = np.empty((count, len(pairs))), np.empty((count, len(pairs)))
+        for k, distance in enumerate(out):
+            chart = terrain.rest if distance < AT_CONTACT_M else terrain.fine
+            heights = chart.at(begin + sign * distance * pairs.axis)
+            rows_max[k] = heights.max(axis=0)
+            rows_hidden[k] = (heights == UNSEEN).mean(axis=0)
+        rows_max = np.maximum.accumulate(rows_max, axis=0)
+        rows_hidden = np.cumsum(rows_hidden, axis=0) * cell
+        highest = np.maximum(highest, np.take_along_axis(rows_max, reach, axis=0))
+        hidden = hidden + np.take_along_axis(rows_hidden, reach, axis=0)
+    return highest, hidden
+
+
+def _under_palm(middle: FloatArray, axis: FloatArray, terrain: Terrain, gripper: Gripper) -> FloatArray:
+    """Highest point (p,) below the palm."""
+    if float(terrain.whole.heights.max()) <= terrain.lowest_m + gripper.finger_length_m - PALM_CELL_M:
+        return np.full(len(middle), UNSEEN)  # fingers longer than anything here is high
+    across = left_normal(axis)
+    highest = np.full(len(middle), UNSEEN)
+    for y in _steps(gripper.palm_m, terrain.whole.cell_m):
+        for x in _steps(gripper.hand_width_m, terrain.whole.cell_m):
+            highest = np.maximum(highest, terrain.whole.at(middle + x * across + y * axis))
+    return highest
+
+
+def _steps(size: float, cell_m: float) -> FloatArray:
+    """Places from −size/2 to size/2 no more than a cell apart."""
+    return np.linspace(-0.5 * size, 0.5 * size, max(2, int(np.ceil(size / cell_m)) + 1))

@@ -1,0 +1,89 @@
+"""Beyond the paper: the side of an object that the sensor did not see.
+
+Behind an object, in its shadow, no free space was seen. Where its surface turns away gently, as a can's does, it goes
+on in there; where it ends at an edge, it does not. The outline alone cannot tell, heights can.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
+from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
+from flatgrasp_cli.geometry.polygon import dot
+from flatgrasp_cli.model import FingerCandidates
+
+OUTWARD_M = (0.003, 0.005, 0.007)
+PROFILE_M = np.arange(0.001, 0.0405, 0.002)
+LIMB_M = 0.012
+"""The slope at the limb is measured over this length."""
+LOST_DEG = 15.0
+"""A surface is last seen where it is this much flatter than the ray that grazes it: sensors see nothing at less."""
+ROUND_SHARE = 0.4
+"""A surface whose mean slope near the limb is less than this share of that at the limb ends there at an edge."""
+MOST_M = 0.03
+ACROSS = np.linspace(-0.4, 0.4, 9)
+
+
+def in_shadow(fingers: FingerCandidates, rest: HeightMap) -> BoolArray:
+    """Which candidates (m,) have mostly unseen space before them, where the finger comes down."""
+    return np.asarray((_profiles(fingers, rest, -np.array(OUTWARD_M)) == UNSEEN).mean(axis=(1, 2)) > 0.5)
+
+
+def hidden_extent(
+    fingers: FingerCandidates, surface: HeightMap, shadowed: BoolArray, viewpoint: FloatArray
+) -> FloatArray:
+    """How far (m,) the object probably goes on beyond the outline, metres; 0 where that is seen, or ends at an edge.
+
+    The flank is taken for a quarter of an ellipse whose top is the profile's highest point, height H, and which is
+    upright at H/2: an object that lies on its side. With b = H/2, height h and slope s at the limb, c = (h − b)/b and
+    u = √(1 − c²), its half axis is a = b·u/(c·s), and it goes on for a·(1 − u). The slope follows from the direction of
+    the sensor at `viewpoint` (3,), in the frame of the height map: measured, it would be too noisy.
+    """
+    extent = np.zeros(len(fingers))
+    rows = np.flatnonzero(shadowed)
+    if len(rows) == 0:
+        return extent
+    profiles = _profiles(fingers.select(rows), surface, PROFILE_M)
+    known = np.isfinite(profiles)
+    total = np.where(known, profiles, 0.0).sum(axis=2)
+    count = known.sum(axis=2)
+    heights = np.where(count > 0, total / np.maximum(count, 1), np.nan)  # (k, distances)
+    near = PROFILE_M <= LIMB_M
+    limb, measured = _line(PROFILE_M[near], heights[:, near])
+    slope = _limb_slope(fingers.select(rows), limb, viewpoint)
+    half = 0.5 * np.nanmax(np.where(np.isfinite(heights), heights, 0.0), axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        c = (limb - half) / half
+        u = np.sqrt(1 - c**2)
+        beyond = half * u * (1 - u) / (c * slope)
+    rounded = np.isfinite(beyond) & (measured > ROUND_SHARE * slope) & (slope > 0) & (c > 0)
+    extent[rows] = np.where(rounded, np.clip(beyond, 0.0, MOST_M), 0.0)
+    return extent
+
+
+def _limb_slope(fingers: FingerCandidates, limb: FloatArray, viewpoint: FloatArray) -> FloatArray:
+    """Slope (m,) of a surface that is last seen before each chord at heights `limb` (m,); 0 on the near side."""
+    ray = fingers.contact - viewpoint[:2]
+    away = -dot(ray, fingers.direction)
+    fall = np.arctan2(viewpoint[2] - limb, np.maximum(away, 1e-9))
+    return np.where(away > 0, np.tan(np.clip(fall - np.radians(LOST_DEG), 0.0, np.radians(85))), 0.0)
+
+
+def _profiles(fingers: FingerCandidates, chart: HeightMap, inward: FloatArray) -> FloatArray:
+    """Heights (m, distances, places) of a map at distances `inward` of each chord, at places along it."""
+    along = fingers.end - fingers.start
+    places = fingers.contact[:, None, :] + ACROSS[:, None] * along[:, None, :]
+    return chart.at(places[:, None] + inward[:, None, None] * fingers.direction[:, None, None, :])
+
+
+def _line(x: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Value at 0 and slope (m,) of least-squares lines through `values` (m, n) over `x` (n,), NaN left out."""
+    known = np.isfinite(values)
+    count = np.maximum(known.sum(axis=1), 1)
+    mean_x = np.where(known, x, 0.0).sum(axis=1) / count
+    mean = np.where(known, values, 0.0).sum(axis=1) / count
+    dx = np.where(known, x - mean_x[:, None], 0.0)
+    spread = (dx**2).sum(axis=1)
+    slope = (dx * np.where(known, values, 0.0)).sum(axis=1) / np.where(spread > 0, spread, 1.0)
+    return mean - slope * mean_x, slope

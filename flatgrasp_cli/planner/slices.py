@@ -1,0 +1,58 @@
+"""Beyond the paper: what stands above the fingertips, level by level.
+
+The paper projects the whole object. Over a table the fingers reach only so far down, and in a heap only what stands out
+can be gripped: so the method runs on the outline of what lies above each of several levels, and the best grasp wins.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
+from flatgrasp_cli.geometry.height_map import HeightMap
+from flatgrasp_cli.profiles.settings import DepthSettings
+
+SAME_FOOTPRINT = 0.85
+"""A part whose footprint has this share of what it stands on needs no outline of its own."""
+MIN_POINTS = 30
+TOP_QUANTILE = 0.99
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Slice:
+    """A connected part of an object above `level_m`: indices of its points."""
+
+    level_m: float
+    rows: IntArray
+
+
+def lowest_tip(heights: FloatArray, settings: DepthSettings) -> float:
+    """How low fingertips may go over the support plane: the clearance, less for an object hardly higher than that."""
+    top = float(np.quantile(heights, TOP_QUANTILE))
+    return float(min(settings.table_clearance_m, max(settings.min_clearance_m, top * settings.low_object_share)))
+
+
+def slices(local: FloatArray, cell_m: float, settings: DepthSettings) -> list[Slice]:
+    """The whole object, and the parts of it that stand out; `local` (n, 3) has heights over the plane as z."""
+    from scipy.ndimage import find_objects, label
+
+    lowest = lowest_tip(local[:, 2], settings)
+    found = [Slice(lowest, np.arange(len(local)))]
+    chart = HeightMap.of(local, cell_m)
+    cell_of = chart.cells_of(local[:, :2])
+    below = np.full(chart.heights.shape, np.count_nonzero(np.isfinite(chart.heights)))  # footprint that cells belong to
+    top = float(np.quantile(local[:, 2], TOP_QUANTILE))
+    for level in np.arange(lowest + settings.slice_step_m, top - settings.min_grip_m, settings.slice_step_m):
+        labels, count = label(chart.heights > level, structure=np.ones((3, 3)))
+        piece = np.where(local[:, 2] > level, labels.ravel()[cell_of], 0)
+        points = np.bincount(piece, minlength=count + 1)
+        for name, box in enumerate(find_objects(labels), start=1):
+            part = labels[box] == name
+            footprint = int(part.sum())
+            if points[name] < MIN_POINTS or footprint >= SAME_FOOTPRINT * below[box][part].min():
+                continue
+            below[box][part] = footprint
+            found.append(Slice(float(level), np.flatnonzero(piece == name)))
+    return found

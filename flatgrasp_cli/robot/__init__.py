@@ -1,0 +1,16 @@
+"""Where an arm of the UR family can go: its kinematics, and whether it reaches a grasp. Knows a pose, not a cloud."""
+
+from flatgrasp_cli.robot.frames import in_dh_base
+from flatgrasp_cli.robot.kinematics import forward, inverse, manipulability, max_manipulability
+from flatgrasp_cli.robot.reach import Motion, Plane, reach
+
+__all__ = [
+    "Motion",
+    "Plane",
+    "forward",
+    "in_dh_base",
+    "inverse",
+    "manipulability",
+    "max_manipulability",
+    "reach",
+]

@@ -1,0 +1,54 @@
+"""One cloud → its scene: objects on a support plane, or one object alone."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
+from flatgrasp_cli.model import Cloud, ObjectCloud, Scene, SupportPlane
+from flatgrasp_cli.profiles.settings import SceneSettings
+from flatgrasp_cli.scene.clusters import Clusters, find_clusters
+from flatgrasp_cli.scene.selection import cropped, selected
+from flatgrasp_cli.scene.support_plane import find_support_plane, looks_down
+
+NEAR_M = 0.2
+"""Other points farther than this from an object's bounding box cannot meet the hand."""
+OVERHEAD_M = 1.0
+"""Where no sensor is known, shadows are those of one straight above."""
+
+
+def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
+    """The objects that `cloud` shows.
+
+    In mode `auto` a plane is a support plane if objects stand on it with more of it around them; else the whole cloud
+    is one object.
+    """
+    cloud = cropped(cloud, settings.crop)
+    alone = Scene(None, (ObjectCloud(0, cloud.points, cloud.viewpoint),), np.empty((0, 3)))
+    if settings.mode == "object" or len(cloud.points) < 3:
+        return alone
+    plane = find_support_plane(cloud.points, cloud.viewpoint, settings, seed)
+    if plane is None:
+        return alone if settings.mode == "auto" else Scene(None, (), cloud.points, "no support plane was found")
+    clusters = find_clusters(cloud.points, plane, settings)
+    if settings.mode == "auto" and not clusters.lie_on_table:
+        return alone
+    objects = tuple(_object(k, cloud, plane, clusters) for k in range(len(clusters.members)))
+    reason = None if objects else "nothing stands on the support plane"
+    return Scene(plane, selected(objects, settings.select), cloud.points[clusters.clutter], reason)
+
+
+def _object(index: int, cloud: Cloud, plane: SupportPlane, clusters: Clusters) -> ObjectCloud:
+    points = cloud.points[clusters.members[index]]
+    viewpoint = cloud.viewpoint
+    if not looks_down(viewpoint, plane.normal, plane.offset_m):
+        viewpoint = points.mean(axis=0) + OVERHEAD_M * plane.normal
+    low, high = points.min(axis=0) - NEAR_M, points.max(axis=0) + NEAR_M
+    others = [clusters.clutter, *(rows for k, rows in enumerate(clusters.members) if k != index)]
+
+    def near(rows: IntArray) -> FloatArray:
+        candidates: FloatArray = cloud.points[rows]
+        close: FloatArray = candidates[((candidates > low) & (candidates < high)).all(axis=1)]
+        return close
+
+    return ObjectCloud(index, points, viewpoint, plane, near(np.concatenate(others)), near(clusters.table))

@@ -1,0 +1,37 @@
+"""Which of a scene's objects are wanted."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.model import Cloud, ObjectCloud
+
+
+def cropped(cloud: Cloud, crop: tuple[float, ...] | None) -> Cloud:
+    """The cloud without the points outside the region of interest (x_min, x_max, y_min, y_max, z_min, z_max)."""
+    if crop is None:
+        return cloud
+    low, high = np.array(crop[::2]), np.array(crop[1::2])
+    return replace(cloud, points=cloud.points[((cloud.points >= low) & (cloud.points <= high)).all(axis=1)])
+
+
+def selected(objects: tuple[ObjectCloud, ...], select: str | tuple[float, float]) -> tuple[ObjectCloud, ...]:
+    """The wanted objects; those that are not stay obstacles to the others."""
+    if select == "all" or not objects:
+        return objects
+    if select == "largest":
+        return (max(objects, key=lambda item: len(item.points)),)
+
+    def distance(item: ObjectCloud) -> float:
+        if isinstance(select, str):
+            return _nearest(item.points, item.viewpoint)
+        return _nearest(item.points[:, :2], np.array(select))
+
+    return (min(objects, key=distance),)
+
+
+def _nearest(points: FloatArray, place: FloatArray) -> float:
+    return float(np.linalg.norm(points - place, axis=1).min(initial=np.inf))

@@ -1,0 +1,146 @@
+"""The plane that objects stand on: random sample consensus on a subsample, then least squares on all inliers.
+
+Fischler & Bolles, Communications of the ACM 24(6), 1981. All hypotheses are scored at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.model import SupportPlane
+from flatgrasp_cli.profiles.settings import SceneSettings
+
+SAMPLE = 4000
+HYPOTHESES = 250
+MAX_PLANES, LEAST_LEFT = 4, 0.05
+"""Planes looked for, one after another, while this share of the sample is left."""
+TOLERANCE_SHARE, TOLERANCE_RANGE_M = 0.008, (0.004, 0.03)
+"""How far from a hypothesis points agree with it: a share of their distance from the sensor."""
+MIN_SENSOR_HEIGHT_M = 0.1
+"""A viewpoint closer to the plane is no sensor's: clouds in a table's own frame leave it at the origin."""
+PARALLEL_COS = np.cos(np.radians(10))
+SECOND_SHARE = 0.3
+"""Of planes on top of each other (table, floor) the nearer counts if it has this share of the bigger one's points."""
+REFINEMENTS = 2
+INLIER_SIGMAS = 3.0
+MAD_TO_SIGMA = 1.4826
+"""Of normally distributed values: standard deviation over median absolute deviation."""
+
+
+class _Fit(NamedTuple):
+    normal: FloatArray
+    offset: float
+    share: float
+
+
+def find_support_plane(
+    points: FloatArray, viewpoint: FloatArray, settings: SceneSettings, seed: int
+) -> SupportPlane | None:
+    """The plane of `points` (n, 3) that objects could stand on; None when no plane has enough of the points.
+
+    With `settings.up` (3,) the biggest plane that it is normal to, else the biggest one that faces the sensor at
+    `viewpoint` (3,). Of planes on top of each other the nearer to the sensor is taken, unless it is small.
+    """
+    sample = points[:: max(1, len(points) // SAMPLE)]
+    fits = [
+        fit
+        for fit in _planes(sample, viewpoint, settings, seed)
+        if fit.share >= settings.min_plane_share and _faces(fit, sample, viewpoint, settings)
+    ]
+    if not fits:
+        return None
+    biggest = max(fits, key=lambda fit: fit.share)
+    stacked = [fit for fit in fits if fit.normal @ biggest.normal > PARALLEL_COS]
+    stacked = [fit for fit in stacked if fit.share > SECOND_SHARE * biggest.share]
+    return _refined(points, viewpoint, max(stacked, key=lambda fit: fit.offset))
+
+
+def looks_down(viewpoint: FloatArray, normal: FloatArray, offset: float) -> bool:
+    """Whether `viewpoint` (3,) can be that of a sensor which looks at the plane from the side of its normal."""
+    return bool(normal @ viewpoint - offset >= MIN_SENSOR_HEIGHT_M)
+
+
+def _faces(fit: _Fit, sample: FloatArray, viewpoint: FloatArray, settings: SceneSettings) -> bool:
+    if settings.up is not None:
+        up = np.asarray(settings.up)
+        return bool(fit.normal @ up > np.cos(np.radians(settings.max_tilt_deg)) * np.linalg.norm(up))
+    if not looks_down(viewpoint, fit.normal, fit.offset):
+        return True
+    to_sensor = viewpoint - sample.mean(axis=0)
+    return bool(fit.normal @ to_sensor > np.cos(np.radians(settings.max_view_deg)) * np.linalg.norm(to_sensor))
+
+
+def _planes(sample: FloatArray, viewpoint: FloatArray, settings: SceneSettings, seed: int) -> Iterator[_Fit]:
+    """Planes one after another, each from the points that the ones before left over."""
+    rng = np.random.default_rng(seed)
+    rest = sample
+    for _ in range(MAX_PLANES):
+        if len(rest) < max(3, LEAST_LEFT * len(sample)):
+            return
+        plane = _consensus(rest, viewpoint, rng)
+        if plane is None:
+            return
+        normal, offset = _oriented(*plane, sample, viewpoint, settings)
+        inliers = np.abs(rest @ normal - offset) < _tolerance(rest, viewpoint)
+        yield _Fit(normal, offset, float(inliers.sum()) / len(sample))
+        rest = rest[~inliers]
+
+
+def _consensus(points: FloatArray, viewpoint: FloatArray, rng: np.random.Generator) -> tuple[FloatArray, float] | None:
+    """The plane through three random points that most points agree with, fitted to those; None if all are in line."""
+    corners = points[rng.integers(len(points), size=(HYPOTHESES, 3))]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(normals, axis=1)
+    real = lengths > 1e-12
+    if not real.any():
+        return None
+    normals = normals[real] / lengths[real, None]
+    offsets = np.einsum("ij,ij->i", normals, corners[real, 0])
+    agree = np.abs(normals @ points.T - offsets[:, None]) < _tolerance(points, viewpoint)
+    return _least_squares(points[agree[np.argmax(np.count_nonzero(agree, axis=1))]])
+
+
+def _tolerance(points: FloatArray, viewpoint: FloatArray) -> FloatArray:
+    return np.asarray(np.clip(TOLERANCE_SHARE * np.linalg.norm(points - viewpoint, axis=1), *TOLERANCE_RANGE_M))
+
+
+def _refined(points: FloatArray, viewpoint: FloatArray, fit: _Fit) -> SupportPlane:
+    """Least squares on the inliers among all points, with a tolerance that follows from their own scatter."""
+    normal, offset = fit.normal, fit.offset
+    residuals = points @ normal - offset
+    tolerance = float(np.median(_tolerance(points, viewpoint)))
+    noise = tolerance
+    for _ in range(REFINEMENTS):
+        refined, _ = _least_squares(points[np.abs(residuals) < tolerance])
+        normal = refined if refined @ normal > 0 else -refined
+        offset = float(np.median((points @ normal)[np.abs(residuals) < tolerance]))
+        residuals = points @ normal - offset
+        noise = MAD_TO_SIGMA * float(np.median(np.abs(residuals[np.abs(residuals) < tolerance])))
+        tolerance = min(tolerance, max(INLIER_SIGMAS * noise, TOLERANCE_RANGE_M[0]))
+    return SupportPlane(normal, offset, noise)
+
+
+def _least_squares(points: FloatArray) -> tuple[FloatArray, float]:
+    mean = points.mean(axis=0)
+    centred = points - mean
+    normal = np.linalg.eigh(centred.T @ centred)[1][:, 0]
+    return normal, float(normal @ mean)
+
+
+def _oriented(
+    normal: FloatArray, offset: float, points: FloatArray, viewpoint: FloatArray, settings: SceneSettings
+) -> tuple[FloatArray, float]:
+    """The same plane, its normal along `settings.up`, else to the sensor, else to where most other points lie."""
+    if settings.up is not None:
+        positive = float(normal @ np.asarray(settings.up)) > 0
+    elif looks_down(viewpoint, normal, offset) or looks_down(viewpoint, -normal, -offset):
+        positive = float(normal @ viewpoint) > offset
+    else:
+        heights = points @ normal - offset
+        heights = heights[np.abs(heights) > _tolerance(points, viewpoint)]
+        positive = int(np.count_nonzero(heights > 0)) * 2 >= len(heights)
+    return (normal, offset) if positive else (-normal, -offset)
