@@ -36,15 +36,17 @@ LOWER_M = 0.001
 class Terrain:
     """What a slice above `level_m` stands on and amid: height maps over the support plane.
 
-    `surface` is the mean height of the slice's own points. `rest` is the highest of all others that fingers can meet,
-    the free plane being 0 and what no ray reached −inf; `fine` that of everything, for the parts of fingers that are
-    away from the contact, and `whole` the same, coarser, for the palm. `viewpoint` (3,) is the sensor's, and `lowest_m`
-    where fingertips may end.
+    `surface` is the mean height of the slice's own points, `average` that of all of the object's. `rest` is the highest
+    of all others that fingers can meet, the free plane being 0 and what no ray reached −inf; `fine` that of everything,
+    for the parts of fingers that are away from the contact, and `whole` the same, coarser, for the palm. `viewpoint`
+    (3,) is the sensor's. Fingertips may end at `lowest_m`, and what is no higher than `ground_m` is no obstacle.
     """
 
     level_m: float
     lowest_m: float
+    ground_m: float
     surface: HeightMap
+    average: HeightMap
     rest: HeightMap
     fine: HeightMap
     whole: HeightMap
@@ -56,8 +58,8 @@ class Landing:
     """How the hand comes down on p pairs: `opening` to come with, `tip` height over the plane, both (p,).
 
     `grip` is the pads' height on the object, `margin` the free space beside each pad, `unseen` how much of the fingers'
-    way, both sides together, no ray reached; `contact_heights` (p, 2) are those at which the two sides were seen. Of an
-    object seen alone grip and unseen are not known: NaN.
+    way, both sides together, no ray reached; `touch` is the height at which both sides were seen, that of the contacts.
+    Of an object seen alone grip and unseen are not known: NaN.
     """
 
     opening: FloatArray
@@ -65,7 +67,7 @@ class Landing:
     grip: FloatArray
     margin: FloatArray
     unseen: FloatArray
-    contact_heights: FloatArray
+    touch: FloatArray
 
     def select(self, keep: IntArray) -> Landing:
         """The rows that `keep` names."""
@@ -76,7 +78,7 @@ def at_mid_height(fit: Fit, gripper: Gripper, settings: HandSettings) -> Landing
     """How the hand comes to an object seen alone: fingertips in the main plane, at the box's mid-height."""
     opening, unknown = openings(fit, gripper, settings), np.full(len(fit.width), np.nan)
     level = np.zeros(len(opening))
-    return Landing(opening, level, unknown, 0.5 * (opening - fit.width), unknown, np.stack([level, level], axis=1))
+    return Landing(opening, level, unknown, 0.5 * (opening - fit.width), unknown, level)
 
 
 def upright(fingers: FingerCandidates, terrain: Terrain, wall_drop: float) -> BoolArray:
@@ -122,18 +124,17 @@ def land(
     margins = _margins(fit, gripper, settings)
     below, unseen = _under_fingers(fingers, pairs, fit, margins, (terrain, gripper, settings.hand.clearance_m))
     palm = _under_palm(centers(fingers, pairs, fit), pairs.axis, terrain, gripper)
-    tips = np.where(below > depth.min_clearance_m, below + depth.obstacle_clearance_m, terrain.lowest_m)
+    tips = np.where(below > terrain.ground_m, below + depth.obstacle_clearance_m, terrain.lowest_m)
     tips = np.maximum(tips, palm + depth.palm_clearance_m - gripper.finger_length_m)
     tips = np.maximum(tips, max(terrain.lowest_m, terrain.level_m - depth.slice_step_m))  # deeper is a lower slice's
     choice = np.argmax(tips <= tips.min(axis=0) + LOWER_M, axis=0)  # widest of those that let the tips down
-    rows = np.arange(len(pairs))
+    columns = np.arange(len(pairs))
     tops = wall_tops(fingers, terrain)
     top = np.minimum(tops[pairs.i], tops[pairs.j])
-    tip, margin = tips[choice, rows], margins[choice, rows]
-    sides = np.stack([_seen_heights(fingers, terrain)[side] for side in (pairs.i, pairs.j)], axis=1)
-    ends = np.stack([tip, np.maximum(top, tip)], axis=1)
-    sides = np.where(sides < tip[:, None], ends.mean(axis=1, keepdims=True), np.minimum(sides, ends[:, 1:]))
-    landing = Landing(fit.width + 2 * margin, tip, top - tip, margin, unseen[choice, rows], sides)
+    tip, margin = tips[choice, columns], margins[choice, columns]
+    seen = _seen_heights(fingers, terrain)
+    touch = np.clip(np.maximum(seen[pairs.i], seen[pairs.j]), tip, np.maximum(top, tip))
+    landing = Landing(fit.width + 2 * margin, tip, top - tip, margin, unseen[choice, columns], touch)
     need = np.minimum(depth.min_grip_m, 0.5 * np.maximum(top, 0.0))
 
     def miss(value: float) -> str:
@@ -141,10 +142,10 @@ def land(
 
     kept = funnel.at_most("depth", pairs, need - landing.grip, 0.0, miss)
     if depth.unseen == "refuse":
-        seen = funnel.at_most(
+        plain = funnel.at_most(
             "unseen", pairs.select(kept), landing.unseen[kept], 0.0, lambda value: f"{value:.3f} m of the way is hidden"
         )
-        kept = kept[seen]
+        kept = kept[plain]
     return pairs.select(kept), fit.select(kept), landing.select(kept)
 
 

@@ -83,6 +83,7 @@ def _candidates_of_loop(
         variance=_variance(loop, (begins, ends), (start, normal), arcs, settings),
         arc_ratio=(ends - begins) / width,
         hidden=np.zeros(len(begins)),
+        seen=np.ones(len(begins), dtype=np.bool_),
     )
 
 

@@ -7,11 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
-from flatgrasp_cli.geometry.polygon import area_centroid, cross, share_inside
+from flatgrasp_cli.geometry.polygon import area_centroid, cross, dot, left_normal, share_inside
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates, Silhouette
 from flatgrasp_cli.planner.depth import Landing
+from flatgrasp_cli.planner.hand import Fit, centers
 from flatgrasp_cli.profiles.settings import GravitySettings, PlannerSettings
 
+MISSES_M, MISS_STEP_M, MISS_DEG = (-0.010, -0.005, 0.005, 0.010), 0.003, 15.0
+"""Sideways misses that a grasp should forgive, and how near to one another grasp must be."""
+MOST_NEIGHBOURS = 500
 MOST_FRICTION = 10.0
 """Where more friction costs no more: a pair that would have to pull needs infinitely much."""
 
@@ -47,7 +51,7 @@ def gravity_distance(fingers: FingerCandidates, pairs: GraspCandidates, center: 
 
 
 def ranking_cost(
-    fingers: FingerCandidates, pairs: GraspCandidates, outline: Silhouette, width: FloatArray, settings: GravitySettings
+    fingers: FingerCandidates, pairs: GraspCandidates, outline: Silhouette, fit: Fit, settings: GravitySettings
 ) -> RankingCost:
     """What the pairs are ranked by: the paper's gravity distance, plus what the settings add to it."""
     center = gravity_center(outline, settings.center)
@@ -60,10 +64,26 @@ def ranking_cost(
         distance
         + gap
         + settings.hole_cost_m * in_holes
-        + settings.width_weight * width
+        + settings.width_weight * fit.width
         + settings.friction_weight_m * friction**2
     )
+    if settings.lonely_cost_m > 0:
+        cost = cost + settings.lonely_cost_m * _loneliness(centers(fingers, pairs, fit), pairs.axis)
     return RankingCost(center, distance, share, cost)
+
+
+def _loneliness(middles: FloatArray, axes: FloatArray) -> FloatArray:
+    """Share (p,) of small sideways misses of the hand after which it is not at another of the p grasps.
+
+    Where the sides are parallel there is a grasp on either hand; on a bump or at an end there is none.
+    """
+    others = slice(None, None, max(1, len(middles) // MOST_NEIGHBOURS))
+    across = left_normal(axes)
+    aside = middles[others] @ across.T - dot(middles, across)  # (others, p)
+    along = middles[others] @ axes.T - dot(middles, axes)
+    near = (np.abs(along) < MISS_STEP_M) & (np.abs(axes[others] @ axes.T) > np.cos(np.radians(MISS_DEG)))
+    met = [(near & (np.abs(aside - miss) < MISS_STEP_M)).any(axis=0) for miss in MISSES_M]
+    return np.asarray(1.0 - np.mean(met, axis=0))
 
 
 def landing_cost(landing: Landing, settings: PlannerSettings) -> FloatArray:

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.geometry.frames import Frame, quaternion_from_axes
-from flatgrasp_cli.geometry.height_map import HeightMap
+from flatgrasp_cli.geometry.frames import quaternion_from_axes
 from flatgrasp_cli.geometry.polygon import left_normal
 from flatgrasp_cli.model import (
     FingerCandidates,
@@ -20,82 +17,47 @@ from flatgrasp_cli.model import (
     Rejection,
     Silhouette,
     Stage,
-    SupportPlane,
     Trace,
 )
 from flatgrasp_cli.planner.balance import force_balance, force_balanced, torque_balanced
-from flatgrasp_cli.planner.depth import PALM_CELL_M, Landing, Terrain, at_mid_height, land, upright
+from flatgrasp_cli.planner.depth import Landing, at_mid_height, land, upright
 from flatgrasp_cli.planner.fingers import finger_candidates, inward_directions, step_points
 from flatgrasp_cli.planner.funnel import Funnel, NothingLeft
 from flatgrasp_cli.planner.gravity import RankingCost, best_first, landing_cost, ranking_cost
 from flatgrasp_cli.planner.hand import Fit, centers, clear_of_palm, closing_axes, flat, in_range, on_pads, operable
 from flatgrasp_cli.planner.main_plane import oriented_box
-from flatgrasp_cli.planner.shadow import hidden_extent, in_shadow
-from flatgrasp_cli.planner.silhouette import silhouette, spacing
-from flatgrasp_cli.planner.slices import lowest_tip, slices
+from flatgrasp_cli.planner.parts import Part, sliced, standing
+from flatgrasp_cli.planner.shadow import of_known_thickness, seen_sides
+from flatgrasp_cli.planner.silhouette import silhouette
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
-
-CALM_CELL_M = 0.025
-MIN_CELL_M = 0.002
-"""Cells of height maps: the points' spacing, but no smaller than what matters to a finger."""
 
 
 def plan_object(cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings, top: int = 10) -> ObjectPlan:
     """Plan the best `top` grasps of one object, with `settings` as `PlannerSettings.resolve` returns them.
 
     An object alone is planned as in the paper. Over a support plane the method runs on each of the object's slices, and
-    the grasps are those of the slice with the best one.
+    the grasps are those of the slice with the best one; a standing object that cannot be grasped from above is planned
+    in the main plane of its own bounding box.
     """
     box = oriented_box(cloud.points, cloud.viewpoint, settings.main_plane.method, cloud.support)
     if box is None:
         end = Rejection("main_plane", _no_plane(cloud.points))
         return ObjectPlan(cloud, (Stage("main_plane", 0),), (), end, Trace())
-    if cloud.support is None:
-        return _plan_part(cloud, _Part(box, box.frame, cloud.points), gripper, settings, top)
-    parts = _parts(cloud, box, cloud.support, settings)
-    plans = [_plan_part(cloud, part, gripper, settings, top) for part in parts]
-    return min(plans, key=lambda plan: (plan.grasps[0].cost_m if plan.grasps else np.inf, -len(plan.funnel)))
+    parts = (
+        [Part(box, box.frame, cloud.points)] if cloud.support is None else sliced(cloud, box, cloud.support, settings)
+    )
+    best = min((_plan_part(cloud, part, gripper, settings, top) for part in parts), key=_least_cost)
+    side = standing(cloud, box, settings) if cloud.support is not None and not best.grasps else None
+    return best if side is None else min(best, _plan_part(cloud, side, gripper, settings, top), key=_least_cost)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Part:
-    """What the method runs on: points (n, 3), the frame to project them to, and the terrain they stand in."""
-
-    box: OrientedBox
-    frame: Frame
-    points: FloatArray
-    terrain: Terrain | None = None
+def _least_cost(plan: ObjectPlan) -> tuple[float, int]:
+    """Order of plans: by the best grasp's cost; of those without one the first that came furthest."""
+    return (plan.grasps[0].cost_m if plan.grasps else np.inf, -len(plan.funnel))
 
 
-def _parts(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, settings: PlannerSettings) -> list[_Part]:
-    """The object's slices, in a frame whose origin is the box's centre brought down to the support plane."""
-    frame = replace(box.frame, origin=box.frame.origin - support.heights(box.frame.origin) * support.normal)
-    local = frame.to_local(cloud.points)
-    viewpoint = frame.to_local(cloud.viewpoint)
-    obstacles, free = frame.to_local(cloud.obstacles), frame.to_local(cloud.free)
-    free[:, 2] = _calmed(free)
-    cell_m = max(MIN_CELL_M, spacing(local[:, :2]))
-    whole = HeightMap.of(np.concatenate([local, obstacles]), max(PALM_CELL_M, cell_m))
-    fine = HeightMap.of(np.concatenate([local, obstacles, free]), cell_m)
-    parts = []
-    for piece in slices(local, cell_m, settings.depth):
-        apart = np.ones(len(local), dtype=np.bool_)
-        apart[piece.rows] = False
-        rest = HeightMap.of(np.concatenate([local[apart], obstacles, free]), cell_m)
-        lowest = lowest_tip(local[:, 2], settings.depth)
-        terrain = Terrain(piece.level_m, lowest, fine.averaged(local[piece.rows]), rest, fine, whole, viewpoint)
-        parts.append(_Part(box, frame, cloud.points[piece.rows], terrain))
-    return parts
-
-
-def _calmed(free: FloatArray) -> FloatArray:
-    """Heights (k,) of the plane's points, averaged around each: a point's own is mostly noise, a pan's floor is not."""
-    chart = HeightMap.of(free, CALM_CELL_M).averaged(free)
-    return chart.at(free[:, :2])
-
-
-def _plan_part(cloud: ObjectCloud, part: _Part, gripper: Gripper, settings: PlannerSettings, top: int) -> ObjectPlan:
+def _plan_part(cloud: ObjectCloud, part: Part, gripper: Gripper, settings: PlannerSettings, top: int) -> ObjectPlan:
     funnel, trace = Funnel(), Trace(box=part.box, level_m=part.terrain.level_m if part.terrain else None)
     grasps: tuple[Grasp, ...] = ()
     rejection: Rejection | None = None
@@ -108,7 +70,7 @@ def _plan_part(cloud: ObjectCloud, part: _Part, gripper: Gripper, settings: Plan
 
 
 def _section_three(
-    part: _Part, gripper: Gripper, settings: PlannerSettings, notes: tuple[Funnel, Trace], top: int
+    part: Part, gripper: Gripper, settings: PlannerSettings, notes: tuple[Funnel, Trace], top: int
 ) -> tuple[Grasp, ...]:
     """The method in the paper's order; what it finds on the way goes into the funnel and the trace."""
     funnel, trace = notes
@@ -128,10 +90,8 @@ def _section_three(
         fingers = fingers.select(upright(fingers, terrain, settings.depth.wall_drop))
         funnel.count("upright", len(fingers), "the part that stands out has no steep side")
     if terrain is not None:
-        shadowed = in_shadow(fingers, terrain.rest)
-        fingers = replace(fingers, hidden=hidden_extent(fingers, terrain.surface, shadowed, terrain.viewpoint))
-        fingers = fingers.select(~shadowed | (fingers.loop == 0))
-        funnel.count("seen_holes", len(fingers), "the object has no outer side, and no hole that was seen through")
+        fingers = seen_sides(fingers, terrain)
+        funnel.count("open_sides", len(fingers), "the object's only side is that of a hole that was not seen through")
     trace.fingers = fingers
 
     # B.1 force balance of all pairs; B.2 torque balance
@@ -142,6 +102,8 @@ def _section_three(
     # B.3 grasping range; B.4 variance; B.5 operability
     pairs = closing_axes(fingers, pairs, settings.hand.closing_axis)
     pairs = on_pads(fingers, pairs, gripper, funnel)
+    if terrain is not None:
+        pairs = of_known_thickness(fingers, pairs, funnel)
     pairs = in_range(fingers, pairs, gripper, settings.hand, funnel)
     pairs = flat(fingers, pairs, settings.hand, funnel)
     pairs, fit = operable(outline, fingers, pairs, (gripper, settings.hand), funnel)
@@ -152,7 +114,7 @@ def _section_three(
         pairs, fit, landing = land(fingers, pairs, fit, terrain, (gripper, settings), funnel)
 
     # C gravity, and the final grasp
-    ranking = ranking_cost(fingers, pairs, outline, fit.width, settings.gravity)
+    ranking = ranking_cost(fingers, pairs, outline, fit, settings.gravity)
     cost = ranking.cost + landing_cost(landing, settings) if terrain else ranking.cost
     order = best_first(pairs, cost)
     trace.gravity_center, trace.gravity_distance_m = ranking.center, ranking.distance[order]
@@ -177,7 +139,8 @@ def _grasps(
     frame = outline.frame
     position = frame.to_world(np.column_stack([centers(fingers, pairs, fit), landing.tip]))
     touched = np.stack([fingers.contact[pairs.i], fingers.contact[pairs.j]], axis=1)
-    contacts = frame.to_world(np.concatenate([touched, landing.contact_heights[:, :, None]], axis=2))
+    heights = np.repeat(landing.touch[:, None, None], 2, axis=1)
+    contacts = frame.to_world(np.concatenate([touched, heights], axis=2))
     hand_x, hand_y = left_normal(pairs.axis) @ frame.axes[:2], pairs.axis @ frame.axes[:2]
     variance = fingers.variance[pairs.i] + fingers.variance[pairs.j]
     arc_ratio = np.maximum(fingers.arc_ratio[pairs.i], fingers.arc_ratio[pairs.j])

@@ -6,12 +6,16 @@ on in there; where it ends at an edge, it does not. The outline alone cannot tel
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 from flatgrasp_cli.geometry.polygon import dot
-from flatgrasp_cli.model import FingerCandidates
+from flatgrasp_cli.model import FingerCandidates, GraspCandidates
+from flatgrasp_cli.planner.depth import Terrain
+from flatgrasp_cli.planner.funnel import Funnel
 
 OUTWARD_M = (0.003, 0.005, 0.007)
 PROFILE_M = np.arange(0.001, 0.0405, 0.002)
@@ -22,7 +26,43 @@ LOST_DEG = 15.0
 ROUND_SHARE = 0.4
 """A surface whose mean slope near the limb is less than this share of that at the limb ends there at an edge."""
 MOST_M = 0.03
+TOP_M = np.array([0.001, 0.003, 0.005])
+THIN_M = 0.03
+FACE_M = 0.008
+"""Cells in which points lie this far below the highest one, on average, show a face and not a top."""
 ACROSS = np.linspace(-0.4, 0.4, 9)
+
+
+def seen_sides(fingers: FingerCandidates, terrain: Terrain) -> FingerCandidates:
+    """The candidates but those in holes that were not seen through, with what was seen of the sides they stand at.
+
+    In the shadow the end of the object is that of its top, and it may go on behind. Where only a face was seen, and no
+    top, its thickness is not known.
+    """
+    shadowed = in_shadow(fingers, terrain.rest)
+    open_sides = ~shadowed | (fingers.loop == 0)
+    fingers, shadowed = fingers.select(open_sides), shadowed[open_sides]
+    hidden = hidden_extent(fingers, terrain.surface, shadowed, terrain.viewpoint)
+    return replace(fingers, hidden=hidden, seen=~shadowed | ~_front_only(fingers, terrain))
+
+
+def of_known_thickness(fingers: FingerCandidates, pairs: GraspCandidates, funnel: Funnel) -> GraspCandidates:
+    """The pairs that do not take the two sides of one seen face for those of a thin object."""
+    face = ~(fingers.seen[pairs.i] & fingers.seen[pairs.j])
+    missing = np.where(face, np.maximum(THIN_M - pairs.distance, 0.0), 0.0)
+    kept = funnel.at_most(
+        "seen", pairs, missing, 0.0, lambda _: "only a face of the object was seen, not how thick it is behind that"
+    )
+    return pairs.select(kept)
+
+
+def _front_only(fingers: FingerCandidates, terrain: Terrain) -> BoolArray:
+    """Which candidates (m,) have an upright face before them and not the top of the object."""
+    mean = _profiles(fingers, terrain.average, TOP_M)
+    known = np.isfinite(mean)
+    spread = np.where(known, _profiles(fingers, terrain.fine, TOP_M) - np.where(known, mean, 0.0), 0.0)
+    total = spread.sum(axis=(1, 2))
+    return np.asarray(total > FACE_M * np.maximum(known.sum(axis=(1, 2)), 1))
 
 
 def in_shadow(fingers: FingerCandidates, rest: HeightMap) -> BoolArray:

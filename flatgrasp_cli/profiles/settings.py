@@ -158,6 +158,8 @@ class DepthSettings(Profile):
     """Outlines are taken at levels this far apart."""
     wall_drop: Annotated[float, Field(ge=0, le=20)]
     """Least steepness of the object below the fingertips: a flatter flank would push the fingers off."""
+    standing_ratio: Annotated[float, Field(gt=0)]
+    """An object this many times as high as its footprint is long may be grasped from the side, if not from above."""
     unseen: Literal["rank", "refuse", "ignore"]
     """Finger places that no ray reached, in the object's shadow: rank lower, refuse, or take for free."""
     approach_m: Length
@@ -177,6 +179,8 @@ class GravitySettings(Profile):
     """Cost of each metre of width."""
     friction_weight_m: Weight
     """Cost of required friction 1; of less in proportion to its square, so that a small slant costs nothing."""
+    lonely_cost_m: Length
+    """Cost of a grasp that has no other within a centimetre on either hand: one that forgives no miss."""
     level_weight: Weight
     """Cost of each metre that the fingertips stay above the support plane."""
     grip_weight: Weight

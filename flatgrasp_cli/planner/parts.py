@@ -1,0 +1,81 @@
+"""Beyond the paper: what the method runs on when an object stands on a support plane, and the terrain around it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.frames import Frame
+from flatgrasp_cli.geometry.height_map import HeightMap
+from flatgrasp_cli.model import ObjectCloud, OrientedBox, SupportPlane
+from flatgrasp_cli.planner.depth import PALM_CELL_M, Terrain
+from flatgrasp_cli.planner.main_plane import oriented_box
+from flatgrasp_cli.planner.silhouette import spacing
+from flatgrasp_cli.planner.slices import lowest_tip, slices
+from flatgrasp_cli.profiles.settings import PlannerSettings
+
+CALM_CELL_M = 0.025
+MIN_CELL_M = 0.002
+"""Cells of height maps: the points' spacing, but no smaller than what matters to a finger."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Part:
+    """Points (n, 3) of an object, the frame to project them to, and the terrain they stand in (None: seen alone)."""
+
+    box: OrientedBox
+    frame: Frame
+    points: FloatArray
+    terrain: Terrain | None = None
+
+
+def sliced(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, settings: PlannerSettings) -> list[Part]:
+    """The object's slices, in a frame whose origin is the box's centre brought down to the support plane."""
+    frame = replace(box.frame, origin=box.frame.origin - support.heights(box.frame.origin) * support.normal)
+    local, obstacles, free = (frame.to_local(points) for points in (cloud.points, cloud.obstacles, cloud.free))
+    free[:, 2] = _calmed(free)
+    cell_m = max(MIN_CELL_M, spacing(local[:, :2]))
+    whole = HeightMap.of(np.concatenate([local, obstacles]), max(PALM_CELL_M, cell_m))
+    fine = HeightMap.of(np.concatenate([local, obstacles, free]), cell_m)
+    viewpoint, lowest = frame.to_local(cloud.viewpoint), lowest_tip(local[:, 2], settings.depth)
+    average, ground = fine.averaged(local), settings.depth.min_clearance_m
+    parts = []
+    for piece in slices(local, cell_m, settings.depth):
+        apart = np.ones(len(local), dtype=np.bool_)
+        apart[piece.rows] = False
+        rest = HeightMap.of(np.concatenate([local[apart], obstacles, free]), cell_m)
+        surface = fine.averaged(local[piece.rows])
+        terrain = Terrain(piece.level_m, lowest, ground, surface, average, rest, fine, whole, viewpoint)
+        parts.append(Part(box, frame, cloud.points[piece.rows], terrain))
+    return parts
+
+
+def _calmed(free: FloatArray) -> FloatArray:
+    """Heights (k,) of the plane's points, averaged around each: a point's own is mostly noise, a pan's floor is not."""
+    chart = HeightMap.of(free, CALM_CELL_M).averaged(free)
+    return chart.at(free[:, :2])
+
+
+def standing(cloud: ObjectCloud, box: OrientedBox, settings: PlannerSettings) -> Part | None:
+    """The whole of a standing object in the main plane of its own bounding box, to be grasped from the sensor's side.
+
+    None when the object is too low for it. Heights are over the deepest that was seen of it, where it is widest; the
+    fingertips end a little behind that, and the support plane is an obstacle like all others.
+    """
+    if box.size[2] < settings.depth.standing_ratio * box.size[:2].max():
+        return None
+    own = oriented_box(cloud.points, cloud.viewpoint, settings.main_plane.method)
+    if own is None:
+        return None
+    frame = replace(own.frame, origin=own.frame.origin - 0.5 * own.size[2] * own.frame.axes[2])
+    local, others = frame.to_local(cloud.points), frame.to_local(np.concatenate([cloud.obstacles, cloud.free]))
+    cell_m = max(MIN_CELL_M, spacing(local[:, :2]))
+    fine = HeightMap.of(np.concatenate([local, others]), cell_m)
+    whole = HeightMap.of(np.concatenate([local, others]), max(PALM_CELL_M, cell_m))
+    rest, average = HeightMap.of(others, cell_m), fine.averaged(local)
+    end = -settings.depth.min_grip_m
+    ground = end - settings.depth.obstacle_clearance_m
+    terrain = Terrain(end, end, ground, average, average, rest, fine, whole, frame.to_local(cloud.viewpoint))
+    return Part(own, frame, cloud.points, terrain)
