@@ -39,10 +39,14 @@ STAGES = {
     "on_pads": "B.3",
     "in_range": "B.3",
     "flat": "B.4",
+    "seen_sides": "3-D",
+    "of_known_thickness": "3-D",
     "operable": "B.5",
+    "clear_of_palm": "B.5",
+    "sliced": "3-D",
+    "land": "3-D",
     "ranking_cost": "C",
     "best_first": "C",
-    "openings": "C",
 }
 SECTIONS = tuple(dict.fromkeys(STAGES.values()))
 FRAME_POINTS, OBJECT_POINTS = 300_000, 10_000

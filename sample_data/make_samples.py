@@ -5,7 +5,7 @@
 Objects lie on a table (z = 0, metres, true scale). The camera is the Xtion PRO LIVE: 640 × 480, f = 570 px; depth
 noise after Nguyen, Izadi & Lovell (3DIMPVT 2012), disparity in eighths of a pixel, dropouts at depth edges and grazing
 angles. Only the object's points are kept, in the optical frame (x right, y down, z forward): the viewpoint is the
-origin.
+origin. `pan_on_table.pcd` and `table_scene.pcd`, four objects seen from 40°, keep the table.
 """
 
 from __future__ import annotations
@@ -165,6 +165,23 @@ OBJECTS: dict[str, Callable[[], list[Any]]] = {
 }
 
 
+def moved(meshes: list[Any], x: float, y: float, yaw_deg: float) -> list[Any]:
+    """The meshes of one object turned on the table and moved."""
+    rotation = o3d.geometry.get_rotation_matrix_from_xyz((0.0, 0.0, np.radians(yaw_deg)))
+    return [mesh.rotate(rotation, center=(0, 0, 0)).translate((x, y, 0.0)) for mesh in meshes]
+
+
+def table_scene() -> list[Any]:
+    """Hammer, juice box, spray bottle and a pen of 8 mm, apart from each other."""
+    pen = [rod(0.004, 0.14, (0, 0, 0.004))]
+    return [
+        *moved(hammer(), 0.02, 0.14, 10),
+        *moved(juice_box(), -0.16, -0.02, 30),
+        *moved(spray_bottle(), 0.06, -0.10, 100),
+        *moved(pen, -0.03, 0.0, -50),
+    ]
+
+
 # --- the camera -------------------------------------------------------------------------------------------------------
 
 
@@ -227,6 +244,7 @@ def write(path: Path, points: Array) -> None:
 def main() -> None:
     """Make every sample."""
     out = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent
+    out.mkdir(parents=True, exist_ok=True)
     for index, (name, make) in enumerate(OBJECTS.items()):
         rng = np.random.default_rng([2016, index])
         distance = 1.0 if name == "pan" else 0.8
@@ -236,6 +254,9 @@ def main() -> None:
     cloud, _ = capture(pan(), camera_pose(0.9, 20.0, 60.0), rng, focal_scale=0.5)  # the sensor's QVGA mode
     middle = cloud[60:180, 80:240].reshape(-1, 3)
     write(out / "pan_on_table.pcd", middle[np.isfinite(middle[:, 2])])
+    cloud, _ = capture(table_scene(), camera_pose(0.9, 40.0, 100.0), rng, focal_scale=0.5)
+    middle = cloud[40:210, 40:290].reshape(-1, 3)
+    write(out / "table_scene.pcd", middle[np.isfinite(middle[:, 2])])
 
 
 if __name__ == "__main__":

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pytest
 import shapely
 from hypothesis import settings
+from scipy.spatial.transform import Rotation
 
 from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.model import Cloud, Source
 from flatgrasp_cli.profiles import Gripper, PlannerSettings, load_gripper, load_settings
 
-settings.register_profile("no-clock", deadline=None, derandomize=True)  # machines are noisy: no test may fail for being slow
+# machines are noisy: no test may fail for being slow, nor for its luck
+settings.register_profile("no-clock", deadline=None, derandomize=True)
 settings.load_profile("no-clock")
 
 SAMPLES = Path(__file__).resolve().parent.parent / "sample_data"
@@ -71,3 +75,94 @@ def lacquey() -> Gripper:
 def defaults() -> PlannerSettings:
     """The default settings, unresolved."""
     return load_settings()
+
+
+@dataclass(frozen=True)
+class Box:
+    """An upright box of `size` about `center`, turned by `yaw_deg` about the vertical; metres."""
+
+    center: tuple[float, float, float]
+    size: tuple[float, float, float]
+    yaw_deg: float = 0.0
+
+    def hit(self, origin: FloatArray, rays: FloatArray) -> FloatArray:
+        """How far (n,) along `rays` (n, 3) from `origin` the surface lies; infinite where they miss."""
+        turn = Rotation.from_euler("z", -self.yaw_deg, degrees=True)
+        start, along = turn.apply(origin - np.array(self.center)), turn.apply(rays)
+        along = np.where(np.abs(along) < 1e-12, 1e-12, along)
+        one, other = (-np.array(self.size) / 2 - start) / along, (np.array(self.size) / 2 - start) / along
+        first, last = np.minimum(one, other).max(axis=1), np.maximum(one, other).min(axis=1)
+        return np.where((first <= last) & (first > 0), first, np.inf)
+
+
+@dataclass(frozen=True)
+class Tube:
+    """A round body about `axis` through `center`: solid, or with a bore of radius `bore` above a `floor`; metres."""
+
+    center: tuple[float, float, float]
+    radius: float
+    length: float
+    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    bore: float = 0.0
+    floor: float | None = None
+
+    def hit(self, origin: FloatArray, rays: FloatArray) -> FloatArray:
+        """How far (n,) along `rays` (n, 3) from `origin` the surface lies; infinite where they miss."""
+        z = np.array(self.axis) / np.linalg.norm(self.axis)
+        start, half = origin - np.array(self.center), 0.5 * self.length
+        z0, dz = start @ z, rays @ z
+        flat, across = start - z0 * z, rays - dz[:, None] * z
+        nearest = np.full(len(rays), np.inf)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            a, b = (across**2).sum(axis=1), across @ flat
+            for radius in (self.radius, self.bore) if self.bore else (self.radius,):
+                root = np.sqrt(b * b - a * (flat @ flat - radius**2))
+                for t in ((-b - root) / a, (-b + root) / a):
+                    nearest = np.where((t > 0) & (np.abs(z0 + t * dz) <= half), np.fmin(nearest, t), nearest)
+            discs = [(-half, self.bore, self.radius), (half, self.bore, self.radius)]
+            discs += [] if self.floor is None else [(self.floor - half, 0.0, self.bore)]
+            for height, inner, outer in discs:
+                t = (height - z0) / dz
+                from_axis = np.linalg.norm(flat + t[:, None] * across, axis=1)
+                nearest = np.where((t > 0) & (from_axis >= inner) & (from_axis <= outer), np.fmin(nearest, t), nearest)
+        return nearest
+
+
+Solid = Box | Tube
+TABLE = Box((0.0, 0.0, -0.01), (0.9, 0.7, 0.02))
+"""A table whose top is z = 0."""
+FLOOR = Box((0.0, 0.0, -0.76), (6.0, 6.0, 0.02))
+WALL = Box((0.0, 0.4, 0.3), (6.0, 0.02, 2.2))
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A depth camera `distance` metres from `target`, tilted from the vertical toward −y."""
+
+    tilt_deg: float = 0.0
+    distance: float = 0.8
+    target: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    pixels: tuple[int, int] = (280, 210)
+    focal: float = 400.0
+
+    @property
+    def frame(self) -> Frame:
+        """The optical frame: x right, y down, z forward."""
+        tilt = np.radians(self.tilt_deg)
+        forward = np.array([0.0, np.sin(tilt), -np.cos(tilt)])
+        right = np.array([1.0, 0.0, 0.0])
+        return Frame(
+            np.array(self.target) - self.distance * forward, np.stack([right, np.cross(forward, right), forward])
+        )
+
+    def sees(self, *solids: Solid, noise_m: float = 0.5e-3, seed: int = 0) -> Cloud:
+        """The cloud in the world's frame; `noise_m` is that of the depth at 0.8 m, growing as its square."""
+        columns, rows = self.pixels
+        u, v = np.meshgrid(np.arange(columns) - 0.5 * (columns - 1), np.arange(rows) - 0.5 * (rows - 1))
+        local = np.column_stack([u.ravel(), v.ravel(), np.full(u.size, self.focal)]) / self.focal
+        rays = local @ self.frame.axes
+        depth = np.min([solid.hit(self.frame.origin, rays) for solid in solids], axis=0)
+        rays, depth = rays[np.isfinite(depth)], depth[np.isfinite(depth)]
+        depth += np.random.default_rng(seed).normal(0.0, noise_m, len(depth)) * (depth / 0.8) ** 2
+        points = self.frame.origin + depth[:, None] * rays
+        return Cloud(points, self.frame.origin, Source("test"))

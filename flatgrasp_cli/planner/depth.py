@@ -13,6 +13,7 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 from flatgrasp_cli.geometry.polygon import left_normal
+from flatgrasp_cli.geometry.range_image import RangeImage
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates
 from flatgrasp_cli.planner.funnel import Funnel
 from flatgrasp_cli.planner.hand import Fit, centers, openings
@@ -38,8 +39,8 @@ class Terrain:
 
     `surface` is the mean height of the slice's own points, `average` that of all of the object's. `rest` is the highest
     of all others that fingers can meet, the free plane being 0 and what no ray reached −inf; `fine` that of everything,
-    for the parts of fingers that are away from the contact, and `whole` the same, coarser, for the palm. `viewpoint`
-    (3,) is the sensor's. Fingertips may end at `lowest_m`, and what is no higher than `ground_m` is no obstacle.
+    for the parts of fingers that are away from the contact, and `whole` the same, coarser, for the palm. `view` is what
+    the sensor saw of all that. Fingertips may end at `lowest_m`, and what is no higher than `ground_m` is no obstacle.
     """
 
     level_m: float
@@ -50,7 +51,7 @@ class Terrain:
     rest: HeightMap
     fine: HeightMap
     whole: HeightMap
-    viewpoint: FloatArray
+    view: RangeImage
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -90,7 +90,7 @@ def landing_cost(landing: Landing, settings: PlannerSettings) -> FloatArray:
     """What the way down to p pairs adds to their cost, metres (p,): shallow, tight or hidden grasps rank lower."""
     weights = settings.gravity
     shallow = np.maximum(settings.depth.good_grip_m - landing.grip, 0.0)
-    tight = np.maximum(settings.hand.preshape_m - landing.margin, 0.0)
+    tight = np.maximum(settings.hand.preshape_m - landing.margin, 0.0) ** 2 / settings.hand.preshape_m
     unseen = landing.unseen if settings.depth.unseen == "rank" else 0.0
     return np.asarray(
         weights.level_weight * landing.tip

@@ -9,6 +9,7 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.height_map import HeightMap
+from flatgrasp_cli.geometry.range_image import RangeImage
 from flatgrasp_cli.model import ObjectCloud, OrientedBox, SupportPlane
 from flatgrasp_cli.planner.depth import PALM_CELL_M, Terrain
 from flatgrasp_cli.planner.main_plane import oriented_box
@@ -16,6 +17,8 @@ from flatgrasp_cli.planner.silhouette import spacing
 from flatgrasp_cli.planner.slices import lowest_tip, slices
 from flatgrasp_cli.profiles.settings import PlannerSettings
 
+PIXEL_CELLS = 1.5
+"""Pixels of the range image, in cells: hardly one is empty where there is something."""
 CALM_CELL_M = 0.025
 MIN_CELL_M = 0.002
 """Cells of height maps: the points' spacing, but no smaller than what matters to a finger."""
@@ -39,7 +42,8 @@ def sliced(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, settings
     cell_m = max(MIN_CELL_M, spacing(local[:, :2]))
     whole = HeightMap.of(np.concatenate([local, obstacles]), max(PALM_CELL_M, cell_m))
     fine = HeightMap.of(np.concatenate([local, obstacles, free]), cell_m)
-    viewpoint, lowest = frame.to_local(cloud.viewpoint), lowest_tip(local[:, 2], settings.depth)
+    lowest = lowest_tip(local[:, 2], settings.depth)
+    view = _view(cloud, frame, cell_m)
     average, ground = fine.averaged(local), settings.depth.min_clearance_m
     parts = []
     for piece in slices(local, cell_m, settings.depth):
@@ -47,9 +51,14 @@ def sliced(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, settings
         apart[piece.rows] = False
         rest = HeightMap.of(np.concatenate([local[apart], obstacles, free]), cell_m)
         surface = fine.averaged(local[piece.rows])
-        terrain = Terrain(piece.level_m, lowest, ground, surface, average, rest, fine, whole, viewpoint)
+        terrain = Terrain(piece.level_m, lowest, ground, surface, average, rest, fine, whole, view)
         parts.append(Part(box, frame, cloud.points[piece.rows], terrain))
     return parts
+
+
+def _view(cloud: ObjectCloud, frame: Frame, cell_m: float) -> RangeImage:
+    points = frame.to_local(np.concatenate([cloud.points, cloud.obstacles, cloud.free]))
+    return RangeImage.of(points, frame.to_local(cloud.viewpoint), PIXEL_CELLS * cell_m)
 
 
 def _calmed(free: FloatArray) -> FloatArray:
@@ -77,5 +86,5 @@ def standing(cloud: ObjectCloud, box: OrientedBox, settings: PlannerSettings) ->
     rest, average = HeightMap.of(others, cell_m), fine.averaged(local)
     end = -settings.depth.min_grip_m
     ground = end - settings.depth.obstacle_clearance_m
-    terrain = Terrain(end, end, ground, average, average, rest, fine, whole, frame.to_local(cloud.viewpoint))
+    terrain = Terrain(end, end, ground, average, average, rest, fine, whole, _view(cloud, frame, cell_m))
     return Part(own, frame, cloud.points, terrain)

@@ -11,13 +11,17 @@ from dataclasses import replace
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
-from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
+from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.geometry.polygon import dot
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates
 from flatgrasp_cli.planner.depth import Terrain
 from flatgrasp_cli.planner.funnel import Funnel
 
 OUTWARD_M = (0.003, 0.005, 0.007)
+HEIGHTS_M, BEHIND_M = (0.003, 0.010), 0.006
+"""Heights over the fingertips' level at which that is looked at, and how far behind a surface space is hidden."""
+SHADOW_SHARE, HOLE_SHARE = 0.5, 0.2
+"""Shares of unseen space beyond which a side lies in the shadow, and a hole was not seen through."""
 PROFILE_M = np.arange(0.001, 0.0405, 0.002)
 LIMB_M = 0.012
 """The slope at the limb is measured over this length."""
@@ -39,10 +43,10 @@ def seen_sides(fingers: FingerCandidates, terrain: Terrain) -> FingerCandidates:
     In the shadow the end of the object is that of its top, and it may go on behind. Where only a face was seen, and no
     top, its thickness is not known.
     """
-    shadowed = in_shadow(fingers, terrain.rest)
-    open_sides = ~shadowed | (fingers.loop == 0)
-    fingers, shadowed = fingers.select(open_sides), shadowed[open_sides]
-    hidden = hidden_extent(fingers, terrain.surface, shadowed, terrain.viewpoint)
+    share = hidden_share(fingers, terrain)
+    open_sides = (share <= HOLE_SHARE) | (fingers.loop == 0)
+    fingers, shadowed = fingers.select(open_sides), share[open_sides] > SHADOW_SHARE
+    hidden = hidden_extent(fingers, terrain.surface, shadowed, terrain.view.viewpoint)
     return replace(fingers, hidden=hidden, seen=~shadowed | ~_front_only(fingers, terrain))
 
 
@@ -65,9 +69,16 @@ def _front_only(fingers: FingerCandidates, terrain: Terrain) -> BoolArray:
     return np.asarray(total > FACE_M * np.maximum(known.sum(axis=(1, 2)), 1))
 
 
-def in_shadow(fingers: FingerCandidates, rest: HeightMap) -> BoolArray:
-    """Which candidates (m,) have mostly unseen space before them, where the finger comes down."""
-    return np.asarray((_profiles(fingers, rest, -np.array(OUTWARD_M)) == UNSEEN).mean(axis=(1, 2)) > 0.5)
+def hidden_share(fingers: FingerCandidates, terrain: Terrain) -> FloatArray:
+    """Share (m,) of the space before each candidate, where the finger comes down, that the sensor did not see."""
+    along = fingers.end - fingers.start
+    places = fingers.contact[:, None, :] + ACROSS[:, None] * along[:, None, :]
+    outward = places[:, None] - np.array(OUTWARD_M)[:, None, None] * fingers.direction[:, None, None, :]
+    hidden = [
+        terrain.view.hides(np.concatenate([outward, np.full((*outward.shape[:-1], 1), height)], axis=-1), BEHIND_M)
+        for height in terrain.level_m + np.array(HEIGHTS_M)
+    ]
+    return np.asarray(np.mean(hidden, axis=(0, 2, 3)))
 
 
 def hidden_extent(

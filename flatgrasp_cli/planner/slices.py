@@ -14,7 +14,7 @@ from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.profiles.settings import DepthSettings
 
-SAME_FOOTPRINT = 0.85
+SAME_FOOTPRINT = 0.93
 """A part whose footprint has this share of what it stands on needs no outline of its own."""
 MIN_POINTS = 30
 TOP_QUANTILE = 0.99

@@ -126,7 +126,7 @@ class HandSettings(Profile):
     """The object's width: its extent under the pads, or the distance of the contacts."""
     clearance_m: Length
     """Least free space between each pad and the object before closing."""
-    preshape_m: Length
+    preshape_m: PositiveLength
     """Free space aimed at between each pad and the object, where there is room."""
     variance_max: Annotated[float, Field(gt=0)] | None
     """Largest variance, in metres; None: variance_max_share of the candidate's width."""
@@ -186,7 +186,7 @@ class GravitySettings(Profile):
     grip_weight: Weight
     """Cost of each metre that the pads' height on the object falls short of `depth.good_grip_m`."""
     margin_weight: Weight
-    """Cost of each metre that the space beside a pad falls short of `hand.preshape_m`."""
+    """Cost of no space beside the pads, in `hand.preshape_m`; of some by the square of what is missing."""
     hole_cost_m: Length
     """Cost of a finger in a hole, where it has little room on any side."""
     unseen_weight: Weight

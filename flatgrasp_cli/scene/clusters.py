@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -110,7 +111,7 @@ def _objects(raster: Raster, labels: IntArray, table: BoolArray, settings: Scene
 
     cells = np.bincount(labels.ravel())
     points = np.bincount(labels.ravel(), weights=raster.count.ravel())
-    amid = shapely.MultiPoint(np.argwhere(table)).convex_hull.buffer(-RIM_M / raster.cell_m)
+    amid = _hull(table).buffer(-RIM_M / raster.cell_m)
     found = []
     for name, box in enumerate(find_objects(labels), start=1):
         if box is None or cells[name] * raster.cell_m**2 < settings.min_size_m**2 or points[name] < MIN_POINTS:
@@ -121,6 +122,16 @@ def _objects(raster: Raster, labels: IntArray, table: BoolArray, settings: Scene
         if shapely.contains_xy(amid, *middle) and _sectors(box, middle, table, RING_M / raster.cell_m) >= MIN_SECTORS:
             found.append(name)
     return sorted(found, key=lambda name: -int(cells[name]))
+
+
+def _hull(mask: BoolArray) -> Any:
+    """Convex hull of a mask's cells, as a shapely geometry: of the first and the last one in each row."""
+    import shapely
+
+    rows = np.flatnonzero(mask.any(axis=1))
+    first = mask[rows].argmax(axis=1)
+    last = mask.shape[1] - 1 - mask[rows, ::-1].argmax(axis=1)
+    return shapely.MultiPoint(np.column_stack([np.tile(rows, 2), np.concatenate([first, last])])).convex_hull
 
 
 def _sectors(box: tuple[slice, ...], middle: FloatArray, table: BoolArray, reach: float) -> int:
@@ -139,5 +150,5 @@ def _outside_share(labels: IntArray, chosen: list[int], table: BoolArray) -> flo
     cells = np.argwhere(table)
     inside = np.zeros(len(cells), dtype=np.bool_)
     for name in chosen:
-        inside |= shapely.contains_xy(shapely.MultiPoint(np.argwhere(labels == name)).convex_hull, cells)
+        inside |= shapely.contains_xy(_hull(labels == name), cells)
     return float((~inside).mean())

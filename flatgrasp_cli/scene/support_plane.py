@@ -14,10 +14,11 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 
-SAMPLE = 4000
+SAMPLE = 2000
+REFINEMENT_SAMPLE = 30_000
 HYPOTHESES = 250
-MAX_PLANES, LEAST_LEFT = 4, 0.05
-"""Planes looked for, one after another, while this share of the sample is left."""
+MAX_PLANES = 4
+"""Planes looked for, one after another, while enough of the sample is left for one that counts."""
 TOLERANCE_SHARE, TOLERANCE_RANGE_M = 0.008, (0.004, 0.03)
 """How far from a hypothesis points agree with it: a share of their distance from the sensor."""
 MIN_SENSOR_HEIGHT_M = 0.1
@@ -77,16 +78,18 @@ def _faces(fit: _Fit, sample: FloatArray, viewpoint: FloatArray, settings: Scene
 def _planes(sample: FloatArray, viewpoint: FloatArray, settings: SceneSettings, seed: int) -> Iterator[_Fit]:
     """Planes one after another, each from the points that the ones before left over."""
     rng = np.random.default_rng(seed)
-    rest = sample
+    rest, biggest = sample, 0.0
     for _ in range(MAX_PLANES):
-        if len(rest) < max(3, LEAST_LEFT * len(sample)):
+        if len(rest) < max(3, len(sample) * max(settings.min_plane_share, SECOND_SHARE * biggest)):
             return
         plane = _consensus(rest, viewpoint, rng)
         if plane is None:
             return
         normal, offset = _oriented(*plane, sample, viewpoint, settings)
         inliers = np.abs(rest @ normal - offset) < _tolerance(rest, viewpoint)
-        yield _Fit(normal, offset, float(inliers.sum()) / len(sample))
+        share = float(inliers.sum()) / len(sample)
+        biggest = max(biggest, share)
+        yield _Fit(normal, offset, share)
         rest = rest[~inliers]
 
 
@@ -109,7 +112,8 @@ def _tolerance(points: FloatArray, viewpoint: FloatArray) -> FloatArray:
 
 
 def _refined(points: FloatArray, viewpoint: FloatArray, fit: _Fit) -> SupportPlane:
-    """Least squares on the inliers among all points, with a tolerance that follows from their own scatter."""
+    """Least squares on an even sample's inliers, with a tolerance that follows from their own scatter."""
+    points = points[:: max(1, len(points) // REFINEMENT_SAMPLE)]
     normal, offset = fit.normal, fit.offset
     residuals = points @ normal - offset
     tolerance = float(np.median(_tolerance(points, viewpoint)))
