@@ -257,11 +257,7 @@ class TestRobot:
         (["--crop", "0,1,0,1,0,.nan"], "scene.crop"),
         (["--crop", "0,1,0,1,0,1,5"], "scene.crop"),
         (["--crop", "none"], "scene.crop"),
-        pytest.param(
-            ["--crop", ""],
-            "scene.crop",
-            marks=pytest.mark.xfail(strict=True, reason="nothing is read as null: no crop"),
-        ),
+        (["--crop", ""], "scene.crop"),
         (["--crop", "0,1,[0,1,0,1"], "scene.crop"),
         (["--up", "0,0,0"], "scene.up"),
         (["--up", "0,0"], "scene.up"),

@@ -205,9 +205,7 @@ class TestObjects:
         [
             0.02,
             0.05,
-            pytest.param(
-                0.2, marks=pytest.mark.xfail(strict=True, reason="a single point lifts the mean of the cells around it")
-            ),
+            0.2,
         ],
     )
     def test_flying_pixels_are_neither_objects_nor_obstacles(self, height: float) -> None:
@@ -246,7 +244,6 @@ class TestObjects:
             assert turn.apply(one.points.mean(axis=0)) + shift == pytest.approx(other.points.mean(axis=0), abs=1 * MM)
             assert len(other.points) == pytest.approx(len(one.points), rel=0.05)
 
-    @pytest.mark.xfail(strict=True, raises=ValueError, reason="a plane without any scatter has no inliers")
     def test_a_cloud_without_noise_is_segmented_too(self) -> None:
         assert_is_table(scene_of(ABOVE.sees(TABLE, BLOCK, noise_m=0.0)).support)
 

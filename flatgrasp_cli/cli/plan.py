@@ -158,7 +158,9 @@ def command(
 
 def _list(text: str | None) -> str | None:
     """Turn "a,b,c" into the YAML list that a setting of several numbers wants; a word as it is."""
-    return f"[{text}]" if text is not None and "," in text else text
+    if text is None:
+        return None
+    return f"[{text}]" if "," in text else text or "''"  # an empty word is no null
 
 
 def _timed(source: str, scale: float) -> Iterator[tuple[Cloud, float]]:

@@ -16,6 +16,8 @@ from flatgrasp_cli.profiles.settings import DepthSettings
 
 SAME_FOOTPRINT = 0.93
 """A part whose footprint has this share of what it stands on needs no outline of its own."""
+MOST_ALIKE = 2
+"""Slices of about one footprint: close above what it lies on, a part's flanks do not look upright yet."""
 MIN_POINTS = 30
 TOP_QUANTILE = 0.99
 
@@ -43,6 +45,7 @@ def slices(local: FloatArray, cell_m: float, settings: DepthSettings) -> list[Sl
     chart = HeightMap.of(local, cell_m)
     cell_of = chart.cells_of(local[:, :2])
     below = np.full(chart.heights.shape, np.count_nonzero(np.isfinite(chart.heights)))  # footprint that cells belong to
+    taken = np.full(chart.heights.shape, MOST_ALIKE)  # slices with about that footprint
     top = float(np.quantile(local[:, 2], TOP_QUANTILE))
     for level in np.arange(lowest + settings.slice_step_m, top - settings.min_grip_m, settings.slice_step_m):
         labels, count = label(chart.heights > level, structure=np.ones((3, 3)))
@@ -51,8 +54,10 @@ def slices(local: FloatArray, cell_m: float, settings: DepthSettings) -> list[Sl
         for name, box in enumerate(find_objects(labels), start=1):
             part = labels[box] == name
             footprint = int(part.sum())
-            if points[name] < MIN_POINTS or footprint >= SAME_FOOTPRINT * below[box][part].min():
+            alike = footprint >= SAME_FOOTPRINT * below[box][part].min()
+            if points[name] < MIN_POINTS or (alike and taken[box][part].min() >= MOST_ALIKE):
                 continue
+            taken[box][part] = taken[box][part] + 1 if alike else 1
             below[box][part] = footprint
             found.append(Slice(float(level), np.flatnonzero(piece == name)))
     return found

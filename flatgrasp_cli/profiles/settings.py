@@ -190,7 +190,7 @@ class GravitySettings(Profile):
     hole_cost_m: Length
     """Cost of a finger in a hole, where it has little room on any side."""
     unseen_weight: Weight
-    """Cost of each metre beside the pads that no ray reached."""
+    """Cost of each metre of the fingers' way that no ray reached, both sides together."""
 
 
 class PlannerSettings(Profile):

@@ -17,6 +17,8 @@ PLANE_SIGMAS = 3.0
 POINT_SIGMAS = 2.5
 MAD_TO_SIGMA = 1.4826
 SMOOTH_CELLS = 3
+HIGH_M = 0.02
+"""Higher points count as this high in a mean, lest a single one that flies lift all cells around it."""
 RING_M = 0.04
 """How far around a cluster the plane is looked for."""
 RIM_M = 0.015
@@ -34,46 +36,63 @@ LEAST_OUTSIDE = 0.3
 class Clusters:
     """Indices of the points of each object, of those above the plane that belong to none, and of the plane's own.
 
-    `lie_on_table` says whether there are objects, and enough of the plane around them not to be part of one.
+    `lie_on_table` says whether there are objects, and enough of the plane around them not to be part of one;
+    `extent_m` is the plane's diagonal.
     """
 
     members: tuple[IntArray, ...]
     clutter: IntArray
     table: IntArray
     lie_on_table: bool
+    extent_m: float
 
 
 def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettings) -> Clusters:
     """Objects among `points` (n, 3) that stand on `plane`, largest first."""
-    from scipy.ndimage import binary_dilation, label
+    from scipy.ndimage import label
 
     heights = plane.heights(points)
-    flat = np.abs(heights) < PLANE_SIGMAS * plane.noise_m
     planar = plane_frame(plane).to_local(points)[:, :2]
+    flat = np.abs(heights) < PLANE_SIGMAS * plane.noise_m
     low, high = planar[flat].min(axis=0) - MARGIN_M, planar[flat].max(axis=0) + MARGIN_M
     near = np.flatnonzero(((planar > low) & (planar < high)).all(axis=1) & (heights > -PLANE_SIGMAS * plane.noise_m))
     planar, heights, flat = planar[near], heights[near], flat[near]
 
     raster = rasterise(planar, fitting_cell_m(planar[flat]))
-    cells, table = _levelled(raster, heights, plane.noise_m)
-    noise = MAD_TO_SIGMA * float(np.median(np.abs(cells[table])))
-    threshold = max(settings.min_height_m, settings.noise_factor * noise)
-    own = raster.mean(heights)
-    standing = (raster.count > 0) & (cells > threshold) & (own > 0.5 * threshold)
+    own = raster.mean(np.minimum(heights, HIGH_M))
+    table = _largest((raster.count > 0) & (np.abs(own) < PLANE_SIGMAS * plane.noise_m))
+    standing = _standing(raster, own, table, plane.noise_m, settings)
+    labels, _ = label(_bridged(standing, settings.gap_m / raster.cell_m), structure=np.ones((3, 3)))
+    labels = np.where(standing, labels, 0)
+    chosen = _objects(raster, labels, table, settings)
 
-    reach = max(0, round(0.5 * settings.gap_m / raster.cell_m))
-    joined = binary_dilation(standing, iterations=reach) if reach else standing
-    labels, _ = label(joined, structure=np.ones((3, 3)))
-    labels = np.where(standing, labels, 0).ravel()
-    piece = labels[raster.cell]
     least = np.minimum(POINT_SIGMAS * plane.noise_m, 0.5 * own).ravel()[raster.cell]
-    piece = np.where(heights > least, piece, 0)  # points of the plane in a cell at an object's edge
-    chosen = _objects(raster, labels.reshape(raster.shape), table, settings)
-    members = tuple(near[piece == name] for name in chosen)
-    own_piece = np.isin(piece, chosen)
-    above = ~own_piece & standing.ravel()[raster.cell] & (heights > least)
-    outside = _outside_share(labels.reshape(raster.shape), chosen, table)
-    return Clusters(members, near[above], near[~above & ~own_piece], bool(chosen) and outside >= LEAST_OUTSIDE)
+    piece = np.where(heights > least, labels.ravel()[raster.cell], 0)  # the plane's points at an object's edge
+    member = np.isin(piece, chosen)
+    return Clusters(
+        members=tuple(near[piece == name] for name in chosen),
+        clutter=near[(piece > 0) & ~member],
+        table=near[piece == 0],
+        lie_on_table=bool(chosen) and _outside_share(labels, chosen, table) >= LEAST_OUTSIDE,
+        extent_m=float(raster.cell_m * np.hypot(*np.ptp(np.argwhere(table), axis=0))),
+    )
+
+
+def _standing(raster: Raster, own: FloatArray, table: BoolArray, noise_m: float, settings: SceneSettings) -> BoolArray:
+    """Which cells stand out of the plane, whose local level ripples: by their surroundings' mean and by their `own`."""
+    window = 2 * round(0.5 * LEVEL_WINDOW_M / raster.cell_m) + 1
+    smooth = smoothed(own, raster.count, SMOOTH_CELLS) - smoothed(own, table, window)
+    scatter = MAD_TO_SIGMA * float(np.median(np.abs(smooth[table])))
+    threshold = max(settings.min_height_m, settings.noise_factor * scatter)
+    sure = POINT_SIGMAS * noise_m / np.sqrt(np.maximum(raster.count, 1))
+    return np.asarray((raster.count > 0) & (smooth > threshold) & (own > np.maximum(threshold, sure)))
+
+
+def _bridged(mask: BoolArray, gap_cells: float) -> BoolArray:
+    from scipy.ndimage import binary_dilation
+
+    reach = round(0.5 * gap_cells)
+    return np.asarray(binary_dilation(mask, iterations=reach)) if reach else mask
 
 
 def plane_frame(plane: SupportPlane) -> Frame:
@@ -82,15 +101,6 @@ def plane_frame(plane: SupportPlane) -> Frame:
     x = np.cross(helper, plane.normal)
     x /= np.linalg.norm(x)
     return Frame(plane.offset_m * plane.normal, np.stack([x, np.cross(plane.normal, x), plane.normal]))
-
-
-def _levelled(raster: Raster, heights: FloatArray, noise_m: float) -> tuple[FloatArray, BoolArray]:
-    """Smoothed heights of the cells above the plane's local level, which ripples, and which cells are the plane's."""
-    mean = raster.mean(heights)
-    table = _largest((raster.count > 0) & (np.abs(mean) < PLANE_SIGMAS * noise_m))
-    window = 2 * round(0.5 * LEVEL_WINDOW_M / raster.cell_m) + 1
-    level = smoothed(mean, table, window)
-    return smoothed(mean, raster.count, SMOOTH_CELLS) - level, table
 
 
 def _largest(mask: BoolArray) -> BoolArray:

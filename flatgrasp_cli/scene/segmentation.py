@@ -20,8 +20,8 @@ OVERHEAD_M = 1.0
 def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
     """The objects that `cloud` shows.
 
-    In mode `auto` a plane is a support plane if objects stand on it with more of it around them; else the whole cloud
-    is one object.
+    In mode `auto` a plane is a support plane if objects stand on it with more of it around them, or if it is too long
+    for an object; else the whole cloud is one object.
     """
     cloud = cropped(cloud, settings.crop)
     alone = Scene(None, (ObjectCloud(0, cloud.points, cloud.viewpoint),), np.empty((0, 3)))
@@ -31,7 +31,7 @@ def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
     if plane is None:
         return alone if settings.mode == "auto" else Scene(None, (), cloud.points, "no support plane was found")
     clusters = find_clusters(cloud.points, plane, settings)
-    if settings.mode == "auto" and not clusters.lie_on_table:
+    if settings.mode == "auto" and not clusters.lie_on_table and clusters.extent_m <= settings.max_size_m:
         return alone
     objects = tuple(_object(k, cloud, plane, clusters) for k in range(len(clusters.members)))
     reason = None if objects else "nothing stands on the support plane"

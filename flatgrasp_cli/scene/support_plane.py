@@ -28,6 +28,8 @@ SECOND_SHARE = 0.3
 """Of planes on top of each other (table, floor) the nearer counts if it has this share of the bigger one's points."""
 REFINEMENTS = 2
 INLIER_SIGMAS = 3.0
+LEAST_NOISE_M = 1e-4
+"""Of clouds that a simulator made, whose planes are flat to the last digit."""
 MAD_TO_SIGMA = 1.4826
 """Of normally distributed values: standard deviation over median absolute deviation."""
 
@@ -125,7 +127,7 @@ def _refined(points: FloatArray, viewpoint: FloatArray, fit: _Fit) -> SupportPla
         residuals = points @ normal - offset
         noise = MAD_TO_SIGMA * float(np.median(np.abs(residuals[np.abs(residuals) < tolerance])))
         tolerance = min(tolerance, max(INLIER_SIGMAS * noise, TOLERANCE_RANGE_M[0]))
-    return SupportPlane(normal, offset, noise)
+    return SupportPlane(normal, offset, max(noise, LEAST_NOISE_M))
 
 
 def _least_squares(points: FloatArray) -> tuple[FloatArray, float]:
