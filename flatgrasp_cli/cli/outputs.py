@@ -62,9 +62,12 @@ class Outputs:
     def _draw(self, plan: Plan, folder: Path, stem: str) -> None:
         if self._plots == "none":
             return
-        from flatgrasp_cli.results.figures import final_figure, stage_figures
+        from flatgrasp_cli.results.figures import arm_figure, final_figure, stage_figures
 
         self._save(final_figure(plan), folder / f"{stem}.grasps.png")
+        arm = arm_figure(plan)
+        if arm is not None:
+            self._save(arm, folder / f"{stem}.arm.png")
         if self._plots == "stages":
             stages = folder / f"{stem}.stages"
             with _writing(stages):

@@ -1,7 +1,8 @@
-"""A plan as pictures: the final grasp at a glance, and one figure for each stage of the method."""
+"""A plan as pictures: the final grasp at a glance, the arm there, and one figure for each stage of the method."""
 
+from flatgrasp_cli.results.figures.arm import arm_figure
 from flatgrasp_cli.results.figures.final import final_figure
 from flatgrasp_cli.results.figures.stages import stage_figures
 from flatgrasp_cli.results.figures.style import save_figure
 
-__all__ = ["final_figure", "save_figure", "stage_figures"]
+__all__ = ["arm_figure", "final_figure", "save_figure", "stage_figures"]

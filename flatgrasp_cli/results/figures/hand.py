@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
@@ -10,7 +12,7 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion
 from flatgrasp_cli.model import Grasp
 from flatgrasp_cli.profiles import Gripper
-from flatgrasp_cli.results.figures.style import BLUE, GREEN, MM, ORANGE, RED
+from flatgrasp_cli.results.figures.style import GREEN, MM, ORANGE, RED
 
 AXIS_MM = 12.0
 
@@ -30,33 +32,45 @@ def finger_boxes(gripper: Gripper, opening_m: float) -> list[tuple[float, float,
     return minus + plus
 
 
+def _placed(corners: FloatArray, hand: tuple[FloatArray, FloatArray, FloatArray]) -> FloatArray:
+    """Corners (n, 2) of the hand's x-y plane in the drawing's millimetres."""
+    origin, hand_x, hand_y = hand
+    return np.asarray(MM * (origin + corners[:, :1] * hand_x + corners[:, 1:] * hand_y))
+
+
+def _rectangle(axes: Axes, hand: tuple[FloatArray, FloatArray, FloatArray], *sides: float, **style: Any) -> None:
+    x0, x1, y0, y1 = sides
+    corners = np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])
+    axes.add_patch(Polygon(_placed(corners, hand), closed=True, **style))
+
+
+def draw_fingers(axes: Axes, grasp: Grasp, frame: Frame, gripper: Gripper, color: str) -> None:
+    """Fingers at the opening to approach with, the palm and the closing axis, in a view of several hands."""
+    hand = hand_in_plane(grasp, frame)
+    for sides in finger_boxes(gripper, grasp.opening_m):
+        _rectangle(axes, hand, *sides, fc=ORANGE, ec=color, lw=1.3, zorder=5)
+    palm_x, palm_y = gripper.hand_width_m / 2, gripper.palm_m / 2
+    _rectangle(axes, hand, -palm_x, palm_x, -palm_y, palm_y, fc="none", ec=color, ls="--", lw=0.8, zorder=4)
+    line = _placed(np.array([[0.0, -grasp.opening_m / 2], [0.0, grasp.opening_m / 2]]), hand)
+    axes.plot(line[:, 0], line[:, 1], color=color, lw=1.8, zorder=6)
+
+
 def draw_hand(axes: Axes, grasp: Grasp, frame: Frame, gripper: Gripper) -> None:
-    """Fingers at the opening to approach with, their way to the object, palm, closing axis and contacts."""
-    origin, hand_x, hand_y = hand_in_plane(grasp, frame)
-
-    def place(corners: FloatArray) -> FloatArray:
-        return np.asarray(MM * (origin + corners[:, :1] * hand_x + corners[:, 1:] * hand_y))
-
-    def rectangle(x0: float, x1: float, y0: float, y1: float, **style: object) -> None:
-        corners = np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])
-        axes.add_patch(Polygon(place(corners), closed=True, **style))
-
+    """The same, with the fingers' way to the object, the contacts and the hand's axes."""
+    draw_fingers(axes, grasp, frame, gripper, RED)
+    hand = origin, hand_x, hand_y = hand_in_plane(grasp, frame)
     for x0, x1, y0, y1 in finger_boxes(gripper, grasp.opening_m):
         near = np.sign(y0 + y1) * grasp.width_m / 2
-        rectangle(x0, x1, min(near, y0, y1, key=abs), max(y0, y1, key=abs), fc=ORANGE, alpha=0.25, ec="none", zorder=3)
-        rectangle(x0, x1, y0, y1, fc=ORANGE, ec=RED, lw=1.5, zorder=4)
-    palm_x, palm_y = gripper.hand_width_m / 2, gripper.palm_m / 2
-    rectangle(-palm_x, palm_x, -palm_y, palm_y, fc="none", ec=BLUE, ls="--", lw=1.2, zorder=3)
-
-    line = place(np.array([[0.0, -grasp.opening_m / 2], [0.0, grasp.opening_m / 2]]))
-    axes.plot(line[:, 0], line[:, 1], color=RED, lw=2.0, zorder=5, label="final grasp")
+        way = (x0, x1, min(near, y0, y1, key=abs), max(y0, y1, key=abs))
+        _rectangle(axes, hand, *way, fc=ORANGE, alpha=0.25, ec="none", zorder=3)
     contacts = MM * frame.to_local(grasp.contacts)[:, :2]
-    axes.plot(contacts[:, 0], contacts[:, 1], "o", color=RED, ms=6, mec="white", zorder=6, label="contacts")
+    axes.plot(contacts[:, 0], contacts[:, 1], "o", color=RED, ms=6, mec="white", zorder=7, label="contacts")
+    axes.plot([], [], color=RED, lw=2.0, label="final grasp")
     axes.plot([], [], "s", color=ORANGE, mec=RED, ms=4, label="fingers, open")
-    axes.plot([], [], "--", color=BLUE, label="palm")
+    axes.plot([], [], "--", color=RED, lw=0.8, label="palm")
     u, v = MM * origin
     for axis, name in ((hand_x, "x"), (hand_y, "y")):
         du, dv = AXIS_MM * axis
         arrow = {"arrowstyle": "-|>", "color": GREEN}
-        axes.annotate("", (u + du, v + dv), (u, v), arrowprops=arrow, zorder=7)
-        axes.text(u + 1.25 * du, v + 1.25 * dv, name, color=GREEN, ha="center", va="center", fontsize=9, zorder=7)
+        axes.annotate("", (u + du, v + dv), (u, v), arrowprops=arrow, zorder=8)
+        axes.text(u + 1.25 * du, v + 1.25 * dv, name, color=GREEN, ha="center", va="center", fontsize=9, zorder=8)

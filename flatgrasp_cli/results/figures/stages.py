@@ -34,13 +34,17 @@ PAIR_STAGES = {
     "pads": "B.3",
     "grasping_range": "B.3",
     "variance": "B.4",
+    "seen": "B.3",
     "operability": "B.5",
+    "depth": "B.5",
     "palm": "B.5",
 }
 
 
 def stage_figures(plan: Plan) -> Iterator[tuple[str, Figure]]:
     """Names and figures of the stages that the first object reached, in the method's order."""
+    if not plan.objects:
+        return
     item = plan.objects[0]
     drawings: list[tuple[str, Callable[[Plan, ObjectPlan], Figure | None]]] = [
         ("obb", boxes),
