@@ -50,6 +50,13 @@ def gravity_distance(fingers: FingerCandidates, pairs: GraspCandidates, center: 
     return np.abs(cross(along, center - contact))
 
 
+def overhang(fingers: FingerCandidates, pairs: GraspCandidates, center: FloatArray) -> FloatArray:
+    """How far (p,) the centre of gravity lies beyond the contacts, along the grasping line, in metres."""
+    middle = 0.5 * (fingers.contact[pairs.i] + fingers.contact[pairs.j])
+    along = (fingers.contact[pairs.j] - fingers.contact[pairs.i]) / pairs.distance[:, None]
+    return np.maximum(np.abs(dot(center - middle, along)) - 0.5 * pairs.distance, 0.0)
+
+
 def ranking_cost(
     fingers: FingerCandidates, pairs: GraspCandidates, outline: Silhouette, fit: Fit, settings: GravitySettings
 ) -> RankingCost:
@@ -63,6 +70,7 @@ def ranking_cost(
     cost = (
         distance
         + gap
+        + settings.overhang_weight * overhang(fingers, pairs, center)
         + settings.hole_cost_m * in_holes
         + settings.width_weight * fit.width
         + settings.friction_weight_m * friction**2

@@ -173,6 +173,9 @@ class GravitySettings(Profile):
 
     center: Literal["area", "points"]
     """Centre of the outline's area, or the mean of the points."""
+    overhang_weight: Weight
+    """Cost of each metre that the centre of gravity lies beyond the contacts along the grasping line: the paper's
+    distance to that line does not see it, the pads' friction does."""
     gap_weight: Weight
     """Cost of each metre of the closing segment outside the object, in metres of gravity distance."""
     width_weight: Weight
