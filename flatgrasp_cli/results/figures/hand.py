@@ -44,7 +44,9 @@ def _rectangle(axes: Axes, hand: tuple[FloatArray, FloatArray, FloatArray], *sid
     axes.add_patch(Polygon(_placed(corners, hand), closed=True, **style))
 
 
-def draw_fingers(axes: Axes, grasp: Grasp, frame: Frame, gripper: Gripper, color: str) -> None:
+def draw_fingers(
+    axes: Axes, grasp: Grasp, frame: Frame, gripper: Gripper, color: str, label: str | None = None
+) -> None:
     """Fingers at the opening to approach with, the palm and the closing axis, in a view of several hands."""
     hand = hand_in_plane(grasp, frame)
     for sides in finger_boxes(gripper, grasp.opening_m):
@@ -52,12 +54,12 @@ def draw_fingers(axes: Axes, grasp: Grasp, frame: Frame, gripper: Gripper, color
     palm_x, palm_y = gripper.hand_width_m / 2, gripper.palm_m / 2
     _rectangle(axes, hand, -palm_x, palm_x, -palm_y, palm_y, fc="none", ec=color, ls="--", lw=0.8, zorder=4)
     line = _placed(np.array([[0.0, -grasp.opening_m / 2], [0.0, grasp.opening_m / 2]]), hand)
-    axes.plot(line[:, 0], line[:, 1], color=color, lw=1.8, zorder=6)
+    axes.plot(line[:, 0], line[:, 1], color=color, lw=1.8, zorder=6, label=label)
 
 
 def draw_hand(axes: Axes, grasp: Grasp, frame: Frame, gripper: Gripper) -> None:
     """The same, with the fingers' way to the object, the contacts and the hand's axes."""
-    draw_fingers(axes, grasp, frame, gripper, RED)
+    draw_fingers(axes, grasp, frame, gripper, RED, "final grasp")
     hand = origin, hand_x, hand_y = hand_in_plane(grasp, frame)
     for x0, x1, y0, y1 in finger_boxes(gripper, grasp.opening_m):
         near = np.sign(y0 + y1) * grasp.width_m / 2
@@ -65,7 +67,6 @@ def draw_hand(axes: Axes, grasp: Grasp, frame: Frame, gripper: Gripper) -> None:
         _rectangle(axes, hand, *way, fc=ORANGE, alpha=0.25, ec="none", zorder=3)
     contacts = MM * frame.to_local(grasp.contacts)[:, :2]
     axes.plot(contacts[:, 0], contacts[:, 1], "o", color=RED, ms=6, mec="white", zorder=7, label="contacts")
-    axes.plot([], [], color=RED, lw=2.0, label="final grasp")
     axes.plot([], [], "s", color=ORANGE, mec=RED, ms=4, label="fingers, open")
     axes.plot([], [], "--", color=RED, lw=0.8, label="palm")
     u, v = MM * origin
