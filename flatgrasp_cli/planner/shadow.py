@@ -27,7 +27,7 @@ LIMB_M = 0.012
 """The slope at the limb is measured over this length."""
 LOST_DEG = 15.0
 """A surface is last seen where it is this much flatter than the ray that grazes it: sensors see nothing at less."""
-ROUND_SHARE = 0.4
+ROUND_SHARE = 0.2
 """A surface whose mean slope near the limb is less than this share of that at the limb ends there at an edge."""
 MOST_M = 0.03
 TOP_M = np.array([0.001, 0.003, 0.005])

@@ -17,7 +17,7 @@ def grasp_table(plan: Plan) -> Table:
     """The best grasps of each object: a rich table."""
     from rich.table import Table
 
-    table = Table(title=f"{plan.cloud.source.path} · {plan.gripper.name}", title_justify="left")
+    table = Table(title=f"{_title(plan)} · {plan.gripper.name}", title_justify="left", caption_justify="left")
     for heading in ("object", "rank", "width\nmm", "opening\nmm", "force balance\n°", "needs\nfriction"):
         table.add_column(heading, justify="right")
     for heading in ("gravity\nmm", "position x y z\nm", "approach\n"):
@@ -36,7 +36,19 @@ def grasp_table(plan: Plan) -> Table:
                 " ".join(f"{value:.3f}" for value in grasp.position),
                 " ".join(f"{value:.2f}" for value in approach),
             )
+        table.add_section()
+    table.caption = "\n".join(
+        f"object {item.object.id}: no grasp: {item.rejection.reason}" for item in plan.objects if item.rejection
+    )
     return table
+
+
+def _title(plan: Plan) -> str:
+    name = plan.cloud.source.path
+    if plan.scene.support is None:
+        return name
+    count = len(plan.objects)
+    return f"{name} · {count} object{'s'[: count != 1]} on a support plane"
 
 
 def refusal(plan: Plan) -> str:
