@@ -361,3 +361,20 @@ class TestRaster:
         assert frame.axes @ frame.axes.T == pytest.approx(np.eye(3), abs=1e-12)
         assert np.cross(frame.axes[0], frame.axes[1]) == pytest.approx(normal, abs=1e-12)
         assert frame.origin @ normal == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize("mode", ["auto", "object", "table"])
+def test_what_is_no_view_of_objects_is_refused(mode: str) -> None:
+    lidar = np.random.default_rng(0).uniform(-1, 1, (5000, 3)) * [100.0, 90.0, 8.0]
+    scene = scene_of(replace(ABOVE.sees(BLOCK), points=lidar), f"mode={mode}")
+    assert (scene.support, scene.objects) == (None, ())
+    assert scene.reason is not None
+    assert scene.reason.startswith("the cloud is 19")
+    assert "--crop" in scene.reason
+    assert "--scale 0.001" in scene.reason
+
+
+def test_a_stray_point_far_away_does_not_make_a_scene_too_large() -> None:
+    view = ABOVE.sees(TABLE, BLOCK)
+    far = np.vstack([view.points, [[0.0, 0.0, 300.0]]])
+    assert len(scene_of(replace(view, points=far)).objects) == 1

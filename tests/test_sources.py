@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import struct
 import tempfile
 from collections.abc import Sequence
@@ -304,19 +303,9 @@ def test_a_cloud_of_nan_alone_is_an_empty_cloud(write: Any, how: str, tmp_path: 
 
 
 @pytest.mark.parametrize(("write", "how"), WRITERS.values(), ids=WRITERS)
-def test_millimetres_are_warned_of_and_scaled(
-    write: Any, how: str, tmp_path: Path, caplog: pytest.LogCaptureFixture
-) -> None:
-    content = write(table(XYZ, 1024 * POINTS), how)
-    read(tmp_path, content)
-    (record,) = caplog.records
-    assert record.levelno == logging.WARNING
-    assert str(tmp_path / "cloud") in record.getMessage()
-    assert "--scale 0.001" in record.getMessage()
-    caplog.clear()
-    cloud = read(tmp_path, content, scale=0.001)
+def test_scale_makes_metres_of_millimetres(write: Any, how: str, tmp_path: Path) -> None:
+    cloud = read(tmp_path, write(table(XYZ, 1024 * POINTS), how), scale=0.001)
     np.testing.assert_allclose(cloud.points, 1.024 * POINTS, rtol=1e-12)
-    assert not caplog.records
 
 
 def test_scale_moves_the_viewpoint_too(tmp_path: Path) -> None:

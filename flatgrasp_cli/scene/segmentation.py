@@ -15,6 +15,9 @@ NEAR_M = 0.2
 """Other points farther than this from an object's bounding box cannot meet the hand."""
 OVERHEAD_M = 1.0
 """Where no sensor is known, shadows are those of one straight above."""
+LARGEST_EXTENT_M = 20.0
+"""No view of objects for a gripper is wider than this: a lidar's is, and one that is in millimetres."""
+SAMPLE, STRAYS_PCT = 2000, 2.0
 
 
 def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
@@ -24,6 +27,9 @@ def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
     for an object; else the whole cloud is one object.
     """
     cloud = cropped(cloud, settings.crop)
+    reason = _too_large(cloud.points)
+    if reason is not None:
+        return Scene(None, (), cloud.points, reason)
     alone = Scene(None, (ObjectCloud(0, cloud.points, cloud.viewpoint),), np.empty((0, 3)))
     if settings.mode == "object" or len(cloud.points) < 3:
         return alone
@@ -36,6 +42,21 @@ def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
     objects = tuple(_object(k, cloud, plane, clusters) for k in range(len(clusters.members)))
     reason = None if objects else "nothing stands on the support plane"
     return Scene(plane, selected(objects, settings.select), cloud.points[clusters.clutter], reason)
+
+
+def _too_large(points: FloatArray) -> str | None:
+    """Why a cloud is no view of objects, stray points aside; None if it may be one."""
+    if len(points) == 0:
+        return None
+    sample = points[:: max(1, len(points) // SAMPLE)]
+    low, high = np.percentile(sample, [STRAYS_PCT, 100 - STRAYS_PCT], axis=0)
+    x, y, z = (high - low).tolist()
+    if max(x, y, z) <= LARGEST_EXTENT_M:
+        return None
+    return (
+        f"the cloud is {x:.0f} × {y:.0f} × {z:.0f} m, no view of objects for a gripper: choose a region with --crop, "
+        "or, if it is in millimetres, give --scale 0.001"
+    )
 
 
 def _object(index: int, cloud: Cloud, plane: SupportPlane, clusters: Clusters) -> ObjectCloud:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import os
 import shutil
 import sys
@@ -13,17 +12,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import BinaryIO
 
-import numpy as np
-
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.model import Cloud
 
 STDIN = "-"
 SNIFFED_BYTES = 65_536
-LARGEST_EXTENT_M = 20.0
-"""No depth camera's cloud is wider than this in metres; one in millimetres is."""
 RECORDINGS = {b"\x89MCAP0\r\n": "an MCAP recording", b"#ROSBAG V2.0": "a ROS 1 bag"}
-_log = logging.getLogger(__name__)
 
 
 def read_clouds(source: str | os.PathLike[str], scale: float = 1.0) -> Iterator[Cloud]:
@@ -94,19 +88,5 @@ def _pipe(name: str) -> Iterator[BinaryIO]:
 
 
 def _scaled(cloud: Cloud, scale: float) -> Cloud:
-    """The cloud in metres; warns when it still cannot be."""
-    if scale != 1.0:
-        cloud = replace(cloud, points=cloud.points * scale, viewpoint=cloud.viewpoint * scale)
-    extent = np.ptp(cloud.points, axis=0) if len(cloud.points) else np.zeros(3)
-    if extent.max() > LARGEST_EXTENT_M:
-        x, y, z = extent
-        _log.warning(
-            "%s: the cloud is %.0f × %.0f × %.0f m, too large for an object in metres; "
-            "if it is in millimetres, give --scale %g",
-            cloud.source.path,
-            x,
-            y,
-            z,
-            0.001 * scale,
-        )
-    return cloud
+    """The cloud in metres."""
+    return cloud if scale == 1.0 else replace(cloud, points=cloud.points * scale, viewpoint=cloud.viewpoint * scale)
