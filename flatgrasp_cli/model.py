@@ -5,12 +5,12 @@ Lengths are metres, angles in names ending `_deg` degrees. "Plane" coordinates (
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import TypeVar
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.frames import Frame
 
 T = TypeVar("T", "FingerCandidates", "GraspCandidates")
@@ -30,6 +30,9 @@ class Source:
     stamp_ns: int | None = None
     index: int = 0
 
+    def __str__(self) -> str:
+        return self.path if self.stamp_ns is None else f"{self.path} at {self.stamp_ns / 1e9:.3f} s"
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cloud:
@@ -41,6 +44,17 @@ class Cloud:
     frame_id: str = ""
     dropped: int = 0
     """Points of the recording that were NaN or infinite."""
+    colors: ByteArray | None = None
+    """RGB (n, 3) of the points, where the recording has colours and they were asked for."""
+
+    def scaled(self, scale: float) -> Cloud:
+        """The cloud in metres, `scale` of which are one unit of this one."""
+        return self if scale == 1.0 else replace(self, points=self.points * scale, viewpoint=self.viewpoint * scale)
+
+    def select(self, keep: BoolArray) -> Cloud:
+        """The points (n,) that `keep` names."""
+        colors = None if self.colors is None else self.colors[keep]
+        return replace(self, points=self.points[keep], colors=colors)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,10 +1,13 @@
-"""Clouds with known answers."""
+"""Clouds with known answers, and the command line called from a test."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import io
+import sys
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -12,6 +15,7 @@ import shapely
 from hypothesis import settings
 from scipy.spatial.transform import Rotation
 
+from flatgrasp_cli.cli import main
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.model import Cloud, Source
@@ -166,3 +170,37 @@ class Camera:
         depth += np.random.default_rng(seed).normal(0.0, noise_m, len(depth)) * (depth / 0.8) ** 2
         points = self.frame.origin + depth[:, None] * rays
         return Cloud(points, self.frame.origin, Source("test"))
+
+
+class Ended(NamedTuple):
+    """How a run ended: its exit code and what it printed."""
+
+    code: int
+    out: str
+    err: str
+
+
+Run = Callable[..., Ended]
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
+    """Call `main` with arguments in an empty folder, perhaps with bytes on standard input."""
+    folder = tmp_path / "here"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+
+    def call(*arguments: str | Path, stdin: bytes = b"", terminal: bool = False) -> Ended:
+        given = io.TextIOWrapper(io.BytesIO(stdin))
+        monkeypatch.setattr(given, "isatty", lambda: terminal)
+        monkeypatch.setattr(sys, "argv", ["flatgrasp", *map(str, arguments)])
+        monkeypatch.setattr(sys, "stdin", given)
+        capsys.readouterr()
+        with pytest.raises(SystemExit) as end:
+            main()
+        printed = capsys.readouterr()
+        assert isinstance(end.value.code, int)
+        assert "Traceback" not in printed.err
+        return Ended(end.value.code, printed.out, printed.err)
+
+    return call

@@ -2,34 +2,21 @@
 
 from __future__ import annotations
 
-import io
 import json
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 
-from flatgrasp_cli.cli import main
 from flatgrasp_cli.geometry.arrays import FloatArray
+from tests.conftest import Run
 
 PNG = b"\x89PNG\r\n\x1a\n"
 COMMAND = [sys.executable, "-m", "flatgrasp_cli"]
-
-
-class Ended(NamedTuple):
-    """How a run ended: its exit code and what it printed."""
-
-    code: int
-    out: str
-    err: str
-
-
-Run = Callable[..., Ended]
 
 
 def slab(width_mm: float, height_mm: float, thickness_mm: float = 10, points: int = 6000) -> FloatArray:
@@ -86,29 +73,6 @@ def plate(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def large(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A plate of 300 × 300 mm, which no gripper can take."""
     return write_pcd(tmp_path_factory.mktemp("clouds") / "large.pcd", slab(300, 300, points=20000))
-
-
-@pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
-    """Call `main` with arguments in an empty folder, perhaps with bytes on standard input."""
-    folder = tmp_path / "here"
-    folder.mkdir()
-    monkeypatch.chdir(folder)
-
-    def call(*arguments: str | Path, stdin: bytes = b"", terminal: bool = False) -> Ended:
-        given = io.TextIOWrapper(io.BytesIO(stdin))
-        monkeypatch.setattr(given, "isatty", lambda: terminal)
-        monkeypatch.setattr(sys, "argv", ["flatgrasp", *map(str, arguments)])
-        monkeypatch.setattr(sys, "stdin", given)
-        capsys.readouterr()
-        with pytest.raises(SystemExit) as end:
-            main()
-        printed = capsys.readouterr()
-        assert isinstance(end.value.code, int)
-        assert "Traceback" not in printed.err
-        return Ended(end.value.code, printed.out, printed.err)
-
-    return call
 
 
 @pytest.fixture(scope="module")

@@ -16,27 +16,35 @@ BASE_FRAMES = ("base", "base_link")
 
 @dataclass(frozen=True, slots=True)
 class Mounting:
-    """A robot, if one was named, and a camera's pose in `base_frame`, if one is known."""
+    """A robot, if one was named, and a camera's pose in `base_frame`, if one is known.
+
+    Answers are in `base_frame`; None: in the cloud's own frame.
+    """
 
     robot: Robot | None
     camera: CameraPose | None
-    base_frame: str
+    base_frame: str | None
+
+    @property
+    def looked_up(self) -> str | None:
+        """The frame in which the recording's own transforms must place the clouds."""
+        return self.base_frame if self.camera is None else None
 
     def placed(self, cloud: Cloud) -> Cloud:
-        """The cloud in the base frame, or as it is when no pose was given.
+        """The cloud in the base frame, or as it is when none was asked for.
 
         Raises
         ------
         UsageError
-            If a robot must reach a grasp in a frame whose place is not known.
+            If the place of the cloud's frame in the base frame is not known.
         """
-        if self.camera is not None:
+        if self.camera is not None and self.base_frame is not None:
             from flatgrasp_cli.planning import in_base_frame
 
             return in_base_frame(cloud, self.camera, self.base_frame)
-        if self.robot is not None and cloud.frame_id != self.base_frame:
+        if self.base_frame is not None and cloud.frame_id != self.base_frame:
             raise UsageError(
-                f"{cloud.source.path}: the cloud is in frame {cloud.frame_id!r}, robot {self.robot.name} in "
+                f"{cloud.source.path}: the cloud is in frame {cloud.frame_id!r}, the answer is wanted in "
                 f"{self.base_frame!r}; say where the camera stands: --camera-pose x,y,z,qx,qy,qz,qw"
             )
         return cloud
@@ -49,9 +57,7 @@ def mounting(robot: str | None, camera_pose: str | None, base_frame: str | None)
     arm = load_robot(robot) if robot is not None else None
     camera = load_camera_pose(camera_pose) if camera_pose is not None else None
     if arm is None:
-        if base_frame is not None and camera is None:
-            raise UsageError("--base-frame names the frame of a camera pose: give --camera-pose, too")
-        return Mounting(None, camera, base_frame or BASE_FRAMES[0])
+        return Mounting(None, camera, base_frame or (BASE_FRAMES[0] if camera else None))
     frame = base_frame or arm.base_frame
     if frame not in BASE_FRAMES:
         raise UsageError(f"--base-frame {frame}: a UR arm has the base frames {' and '.join(BASE_FRAMES)}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 import time
 from collections.abc import Iterator
@@ -16,7 +17,34 @@ from flatgrasp_cli.errors import UsageError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from flatgrasp_cli.model import Cloud
     from flatgrasp_cli.planning import Plan
+
+
+class Names:
+    """File names for results, none of them twice."""
+
+    def __init__(self) -> None:
+        self._taken: set[str] = set()
+
+    def of_source(self, source: str) -> str:
+        """The stem of a source's name, made safe; further sources of that name are numbered."""
+        return self._unique("stdin" if source == "-" else re.sub(r"[^\w.+-]", "_", Path(source).stem) or "cloud")
+
+    def of_frame(self, stem: str, cloud: Cloud) -> str:
+        """The stem itself for a file with one cloud; with the frame's time in seconds for one of a recording."""
+        if cloud.source.topic is None or cloud.source.stamp_ns is None:
+            return stem
+        seconds, ns = divmod(cloud.source.stamp_ns, 1_000_000_000)
+        return self._unique(f"{stem}.{seconds}.{ns:09d}")
+
+    def _unique(self, name: str) -> str:
+        unique, n = name, 1
+        while unique in self._taken:
+            n += 1
+            unique = f"{name}-{n}"
+        self._taken.add(unique)
+        return unique
 
 
 class Outputs:
@@ -25,6 +53,7 @@ class Outputs:
     def __init__(self, folder: Path | None, as_json: bool, plots: str) -> None:
         self._folder, self._as_json, self._plots = folder, as_json, plots
         self.refused = 0
+        self.draws = folder is not None and plots != "none"
         if folder is not None:
             with _writing(folder):
                 folder.mkdir(parents=True, exist_ok=True)
@@ -47,7 +76,7 @@ class Outputs:
             self._print_table(plan)
         if plan.best is None:
             self.refused += 1
-            click.echo(f"flatgrasp: {plan.cloud.source.path}: {refusal(plan)}", err=True)
+            click.echo(f"flatgrasp: {plan.cloud.source}: {refusal(plan)}", err=True)
 
     def _print_table(self, plan: Plan) -> None:
         from rich.console import Console
@@ -60,7 +89,7 @@ class Outputs:
         click.echo(text.get(), nl=False)
 
     def _draw(self, plan: Plan, folder: Path, stem: str) -> None:
-        if self._plots == "none":
+        if not self.draws:
             return
         from flatgrasp_cli.results.figures import arm_figure, final_figure, stage_figures
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-import re
 import sys
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,11 +14,13 @@ import click
 
 from flatgrasp_cli.cli.completion import complete_profile
 from flatgrasp_cli.cli.mounting import mounting
-from flatgrasp_cli.cli.outputs import Outputs
+from flatgrasp_cli.cli.outputs import Names, Outputs
+from flatgrasp_cli.cli.recordings import frame_options
 from flatgrasp_cli.errors import SourceError
 
 if TYPE_CHECKING:
     from flatgrasp_cli.model import Cloud
+    from flatgrasp_cli.sources.selection import Selection
 
 NO_GRASP = 1
 
@@ -79,7 +81,13 @@ def _positive(_context: click.Context, _parameter: click.Parameter, value: float
     metavar="FILE|X,Y,Z,QX,QY,QZ,QW",
     help="Pose of the cloud's frame in the base frame, in which all answers are then given.",
 )
-@click.option("--base-frame", metavar="NAME", help="Name of that frame: base, base_link, …; the robot's if not given.")
+@click.option(
+    "--base-frame",
+    metavar="NAME",
+    help="Give all answers in this frame: that of the camera pose, or one of the recording's own; the robot's if there "
+    "is one.",
+)
+@frame_options
 @click.option(
     "--scale",
     type=float,
@@ -123,17 +131,19 @@ def command(
     robot: str | None,
     camera_pose: str | None,
     base_frame: str | None,
+    selection: Selection,
     scale: float,
     top: int,
     out: Path | None,
     as_json: bool,
     plots: str,
 ) -> int:
-    """Plan grasps on point clouds: PCD or PLY files, or "-" for standard input.
+    """Plan grasps on point clouds: PCD or PLY files, recordings, or "-" for standard input.
 
-    Writes STEM.grasps.json and STEM.grasps.png for each SOURCE and prints the best grasps. Exit code 0: a grasp for
-    every cloud; 1: some cloud has none, the document says why; 3: some source could not be read.
-    """  # fmt: skip
+    A recording is an MCAP file, a ROS 1 bag, or a ROS 2 bag, folder or file. Writes STEM.grasps.json and
+    STEM.grasps.png for each cloud, STEM.STAMP.grasps.* for each frame of a recording, and prints the best grasps. Exit
+    code 0: a grasp for every cloud; 1: some cloud has none, the document says why; 3: some source could not be read.
+    """
     from flatgrasp_cli.planning import plan
     from flatgrasp_cli.profiles import load_gripper, load_settings
 
@@ -142,12 +152,16 @@ def command(
     hand, settings = load_gripper(gripper), load_settings(method, (*scene_settings, *overrides))
     arm = mounting(robot, camera_pose, base_frame)
     outputs = Outputs(out if as_json else out or Path(), as_json, plots)
+    selection = replace(selection, base_frame=arm.looked_up, colors=outputs.draws)
+    names = Names()
     code = 0
-    for source, stem in zip(sources, _stems(sources), strict=True):
+    for source in sources:
         try:
-            for cloud, read_ms in _timed(source, scale):
+            stem = names.of_source(source)
+            for cloud, read_ms in _timed(source, scale, selection):
                 placed = arm.placed(cloud)
-                outputs.write(plan(placed, hand, settings, top=top, robot=arm.robot), stem, read_ms)
+                name = names.of_frame(stem, cloud)
+                outputs.write(plan(placed, hand, settings, top=top, robot=arm.robot), name, read_ms)
         except SourceError as error:
             if len(sources) == 1:
                 raise
@@ -163,31 +177,16 @@ def _list(text: str | None) -> str | None:
     return f"[{text}]" if "," in text else text or "''"  # an empty word is no null
 
 
-def _timed(source: str, scale: float) -> Iterator[tuple[Cloud, float]]:
+def _timed(source: str, scale: float, selection: Selection) -> Iterator[tuple[Cloud, float]]:
     """The clouds of a source with the milliseconds that reading each took."""
     from flatgrasp_cli.sources import read_clouds
 
     if source == "-" and sys.stdin is not None and sys.stdin.isatty():
         raise click.UsageError("'-' reads a cloud from standard input, which is a terminal; pipe a file into it")
-    clouds = read_clouds(source, scale)
+    clouds = read_clouds(source, scale, selection)
     while True:
         began = time.perf_counter()
         cloud = next(clouds, None)
         if cloud is None:
             return
         yield cloud, 1e3 * (time.perf_counter() - began)
-
-
-def _stems(sources: tuple[str, ...]) -> list[str]:
-    """A file name for each source's results; sources of one name get -2, -3, … so that none overwrites another."""
-    stems: list[str] = []
-    taken: set[str] = set()
-    for source in sources:
-        stem = "stdin" if source == "-" else re.sub(r"[^\w.+-]", "_", Path(source).stem) or "cloud"
-        unique, n = stem, 1
-        while unique in taken:
-            n += 1
-            unique = f"{stem}-{n}"
-        taken.add(unique)
-        stems.append(unique)
-    return stems

@@ -44,11 +44,10 @@ def grasp_table(plan: Plan) -> Table:
 
 
 def _title(plan: Plan) -> str:
-    name = plan.cloud.source.path
     if plan.scene.support is None:
-        return name
+        return str(plan.cloud.source)
     count = len(plan.objects)
-    return f"{name} · {count} object{'s'[: count != 1]} on a support plane"
+    return f"{plan.cloud.source} · {count} object{'s'[: count != 1]} on a support plane"
 
 
 def refusal(plan: Plan) -> str:

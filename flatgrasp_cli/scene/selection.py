@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
@@ -15,7 +13,7 @@ def cropped(cloud: Cloud, crop: tuple[float, ...] | None) -> Cloud:
     if crop is None:
         return cloud
     low, high = np.array(crop[::2]), np.array(crop[1::2])
-    return replace(cloud, points=cloud.points[((cloud.points >= low) & (cloud.points <= high)).all(axis=1)])
+    return cloud.select(np.all((cloud.points >= low) & (cloud.points <= high), axis=1))
 
 
 def selected(objects: tuple[ObjectCloud, ...], select: str | tuple[float, float]) -> tuple[ObjectCloud, ...]:

@@ -49,11 +49,10 @@ def find_support_plane(
     `viewpoint` (3,). Of planes on top of each other the nearer to the sensor is taken, unless it is small.
     """
     sample = points[:: max(1, len(points) // SAMPLE)]
-    fits = [
-        fit
-        for fit in _planes(sample, viewpoint, settings, seed)
-        if fit.share >= settings.min_plane_share and _faces(fit, sample, viewpoint, settings)
-    ]
+    planes = [fit for fit in _planes(sample, viewpoint, settings, seed) if fit.share >= settings.min_plane_share]
+    fits = [fit for fit in planes if _faces(fit, sample, viewpoint, settings)]
+    if not fits and settings.up is None and float(np.ptp(sample, axis=0).max()) > settings.max_size_m:
+        fits = planes  # too large for an object alone: a low camera looks along the floor
     if not fits:
         return None
     biggest = max(fits, key=lambda fit: fit.share)

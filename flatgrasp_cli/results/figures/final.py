@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from dataclasses import replace
 from pathlib import Path
 
 from matplotlib.axes import Axes
@@ -33,7 +34,8 @@ def final_figure(plan: Plan) -> Figure:
     """The best grasp in the main plane, with the numbers below; of a scene beside a view of all its objects."""
     support = plan.scene.support
     figure = new_figure() if support is None else new_figure(14.0, 6.5)
-    name = f"{Path(plan.cloud.source.path).name} · {plan.gripper.name}"
+    source = plan.cloud.source
+    name = f"{replace(source, path=Path(source.path).name)} · {plan.gripper.name}"
     if support is not None:
         scene = figure.add_subplot(121)
         scene.set_title(f"{name} · {_count(plan)} on a support plane", loc="left", fontsize=11)

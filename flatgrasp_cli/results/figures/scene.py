@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 
-from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.arrays import ByteArray, FloatArray
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.model import ObjectPlan, SupportPlane
 from flatgrasp_cli.planning import Plan
@@ -22,8 +22,13 @@ def draw_scene(axes: Axes, plan: Plan, support: SupportPlane) -> None:
     shown = [item.object.points for item in plan.objects] or [plan.cloud.points]
     local = frame.to_local(np.concatenate(shown))[:, :2]
     low, high = local.min(axis=0) - MARGIN_M, local.max(axis=0) + MARGIN_M
-    _dots(axes, frame, plan.cloud.points, PALE, (low, high))
-    _dots(axes, frame, plan.scene.clutter, BLACK, (low, high))
+    if plan.cloud.colors is None:
+        _dots(axes, frame, plan.cloud.points, PALE, (low, high))
+        _dots(axes, frame, plan.scene.clutter, BLACK, (low, high))
+        for k, item in enumerate(plan.objects):
+            _dots(axes, frame, item.object.points, COLORS[k % len(COLORS)])
+    else:
+        _colored(axes, frame, plan.cloud.points, plan.cloud.colors, (low, high))
     for k, item in enumerate(plan.objects):
         _draw_object(axes, plan, item, frame, COLORS[k % len(COLORS)])
     axes.set_xlim(MM * low[0], MM * high[0])
@@ -34,7 +39,6 @@ def draw_scene(axes: Axes, plan: Plan, support: SupportPlane) -> None:
 
 def _draw_object(axes: Axes, plan: Plan, item: ObjectPlan, frame: Frame, color: str) -> None:
     best = bool(item.grasps) and item.grasps[0] is plan.best
-    _dots(axes, frame, item.object.points, color)
     outline = item.trace.silhouette
     for loop in outline.loops if outline else ():
         closed = MM * frame.to_local(outline.frame.to_world(loop[[*range(len(loop)), 0]]))  # type: ignore[union-attr]
@@ -63,6 +67,15 @@ def _dots(
         local = local[((local > limits[0]) & (local < limits[1])).all(axis=1)]
     local = MM * thinned(local)
     axes.plot(local[:, 0], local[:, 1], ".", ms=1.5, mew=0, color=color, zorder=1)
+
+
+def _colored(
+    axes: Axes, frame: Frame, points: FloatArray, colors: ByteArray, limits: tuple[FloatArray, FloatArray]
+) -> None:
+    """The points as the camera saw them."""
+    local = frame.to_local(points)[:, :2]
+    shown = thinned(np.flatnonzero(((local > limits[0]) & (local < limits[1])).all(axis=1)))
+    axes.scatter(MM * local[shown, 0], MM * local[shown, 1], s=2, lw=0, c=colors[shown] / 255, zorder=1)
 
 
 def _from_above(plan: Plan, support: SupportPlane) -> Frame:

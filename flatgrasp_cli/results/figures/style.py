@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import Silhouette
 
+Scalar = TypeVar("Scalar", bound=np.generic)
 # Okabe & Ito's palette: told apart by every kind of colour vision.
 BLACK, GREY, PALE = "#000000", "#7f7f7f", "#c8c8c8"
 ORANGE, SKY, GREEN, BLUE, RED, PURPLE = "#E69F00", "#56B4E9", "#009E73", "#0072B2", "#D55E00", "#CC79A7"
@@ -45,8 +48,8 @@ def plane_axes(figure: Figure, title: str, position: Any = 111) -> Axes:
     return axes
 
 
-def thinned(points: FloatArray) -> FloatArray:
-    """An even sample of `points` (n, …) that a picture can hold."""
+def thinned(points: NDArray[Scalar]) -> NDArray[Scalar]:
+    """An even sample of `points` (n, …), or of their indices, that a picture can hold."""
     return points[:: max(1, len(points) // MAX_POINTS)]
 
 

@@ -1,0 +1,102 @@
+"""`flatgrasp inspect SOURCE…`."""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import asdict
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING
+
+import click
+
+from flatgrasp_cli.errors import SourceError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from flatgrasp_cli.sources.summary import CloudSummary, Summary, TopicSummary
+
+SCHEMA = "flatgrasp.inspect/1"
+
+
+@click.command("inspect")
+@click.argument("sources", metavar="SOURCE…", nargs=-1, required=True)
+@click.option("--json", "as_json", is_flag=True, help="Print one line of JSON for each source.")
+def command(sources: tuple[str, ...], as_json: bool) -> int:
+    """Show what clouds and recordings hold: topics, rates, frames, and the first cloud of each topic with clouds."""
+    from flatgrasp_cli.sources.summary import summarize
+
+    code = 0
+    for source in sources:
+        try:
+            summary = summarize(source)
+        except SourceError as error:
+            if len(sources) == 1:
+                raise
+            click.echo(f"flatgrasp: {error}", err=True)
+            code = error.exit_code
+            continue
+        if as_json:
+            values = {"schema": SCHEMA, **asdict(summary), "duration_s": summary.duration_s}
+            click.echo(json.dumps(values, allow_nan=False))
+        else:
+            _print(summary)
+    return code
+
+
+def _print(summary: Summary) -> None:
+    from rich.console import Console
+
+    console = Console(width=None if sys.stdout.isatty() else 160, highlight=False)
+    with console.capture() as text:
+        console.print(f"[bold]{_plain(summary.path)}[/bold] · {_plain(summary.container)}{_time(summary)}")
+        if summary.topics:
+            _print_topics(console, summary.topics)
+        if summary.frames:
+            console.print(f"frames: {_plain(', '.join(summary.frames))}")
+        for cloud in summary.clouds:
+            _print_cloud(console, cloud)
+        for problem, count in summary.problems.items():
+            console.print(f"problem: {_plain(problem)}{f' ({count} times)' if count > 1 else ''}")
+    click.echo(text.get(), nl=False)
+
+
+def _time(summary: Summary) -> str:
+    if summary.start_ns is None or summary.duration_s is None:
+        return "" if summary.clouds else " · no messages"
+    start = datetime.fromtimestamp(summary.start_ns / 1e9, UTC)
+    return f" · {summary.duration_s:.3f} s from {start:%Y-%m-%dT%H:%M:%S.%f}Z"
+
+
+def _print_topics(console: Console, topics: tuple[TopicSummary, ...]) -> None:
+    from rich.table import Table
+
+    table = Table()
+    for heading in ("topic", "type", "encoding"):
+        table.add_column(heading)
+    for heading in ("messages", "rate Hz"):
+        table.add_column(heading, justify="right")
+    for topic in topics:
+        count = "?" if topic.count is None else str(topic.count)
+        rate = "" if topic.rate_hz is None else f"{topic.rate_hz:.1f}"
+        table.add_row(_plain(topic.name), _plain(topic.type), topic.encoding, count, rate)
+    console.print(table)
+
+
+def _print_cloud(console: Console, cloud: CloudSummary) -> None:
+    where = f"first cloud on {cloud.topic}" if cloud.topic else "cloud"
+    frame = f" in {cloud.frame_id}" if cloud.frame_id else ""
+    size = " × ".join(str(side) for side in cloud.shape[::-1] if side != 1) or "1"
+    console.print(f"{_plain(where + frame)}: {size} points, {100 * cloud.nan_share:.1f} % without a place")
+    if cloud.fields:
+        console.print(f"  fields: {_plain(' '.join(cloud.fields))}")
+    if cloud.low_m is not None and cloud.high_m is not None:
+        sides = zip("xyz", cloud.low_m, cloud.high_m, strict=True)
+        console.print("  extent: " + ", ".join(f"{axis} {low:.3f} … {high:.3f} m" for axis, low, high in sides))
+
+
+def _plain(text: str) -> str:
+    from rich.markup import escape
+
+    return escape(text)

@@ -1,0 +1,20 @@
+"""Which container a file is, from its first bytes; this loads no library."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+MAGICS = {b"\x89MCAP0\r\n": "mcap", b"#ROSBAG V": "ros1", b"#ROSRECORD V": "ros1", b"SQLite format 3\0": "sqlite"}
+ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
+SNIFFED_BYTES = 16
+
+
+def kind_of(path: Path) -> str:
+    """The container of a file, looking through zstd: "mcap", "ros1", "sqlite", or "" for none of them."""
+    with path.open("rb") as file:
+        head = file.read(SNIFFED_BYTES)
+    if head.startswith(ZSTD_MAGIC):
+        from flatgrasp_cli.sources.containers.bounded import first_bytes
+
+        head = first_bytes(path, SNIFFED_BYTES)
+    return next((kind for magic, kind in MAGICS.items() if head.startswith(magic)), "")

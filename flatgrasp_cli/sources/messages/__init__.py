@@ -1,0 +1,40 @@
+"""Decoded messages → points: one module per kind of message, each into `Decoded`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from flatgrasp_cli.sources.messages.camera_info import CameraInfo
+from flatgrasp_cli.sources.messages.decoded import CloudDecoder, Decoded, MessageError
+from flatgrasp_cli.sources.messages.depth_cameras import DepthCameras, MissingCameraInfo, info_topics_for
+from flatgrasp_cli.sources.messages.depth_image import is_depth
+from flatgrasp_cli.sources.messages.foxglove import decode_foxglove
+from flatgrasp_cli.sources.messages.pointcloud2 import decode_pointcloud, decode_pointcloud2
+
+CLOUD_TYPES: Mapping[str, CloudDecoder] = MappingProxyType(
+    {
+        "sensor_msgs/msg/PointCloud2": decode_pointcloud2,
+        "sensor_msgs/msg/PointCloud": decode_pointcloud,
+        "foxglove.PointCloud": decode_foxglove,
+        "foxglove_msgs/msg/PointCloud": decode_foxglove,
+    }
+)
+"""The decoder of each type of topic that holds point clouds."""
+IMAGE_TYPES = frozenset({"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"})
+"""Types of topic that may hold depth images; `is_depth` tells from a message, nothing before it does."""
+INFO_TYPE = "sensor_msgs/msg/CameraInfo"
+
+__all__ = [
+    "CLOUD_TYPES",
+    "IMAGE_TYPES",
+    "INFO_TYPE",
+    "CameraInfo",
+    "CloudDecoder",
+    "Decoded",
+    "DepthCameras",
+    "MessageError",
+    "MissingCameraInfo",
+    "info_topics_for",
+    "is_depth",
+]

@@ -1,0 +1,125 @@
+"""Depth images with the CameraInfo that belongs to each, from a stream of both."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.sources.messages.camera_info import CameraInfo
+from flatgrasp_cli.sources.messages.decoded import Decoded, MessageError, frame_name, reading, stamp_ns
+from flatgrasp_cli.sources.messages.depth_image import image_size, read_depth
+
+TRANSPORTS = ("/compressedDepth", "/compressed")
+INFO_NAME = "camera_info"
+RECTIFIED = "image_rect"
+REMEMBERED = 2
+"""CameraInfos of one topic that are kept: they hardly ever change."""
+RAYS_KEPT = 4
+
+
+class MissingCameraInfo(MessageError):  # noqa: N818 - says what is missing, as the standard library's do
+    """A depth image came before any CameraInfo that fits it; a later one may."""
+
+
+def info_topics_for(image_topic: str, all_topics: Iterable[str]) -> tuple[str, ...]:
+    """Topics to read CameraInfos from: the image's sibling camera_info if there is one, otherwise every camera_info."""
+    topics = tuple(all_topics)
+    siblings = tuple(topic for topic in _siblings(image_topic) if topic in topics)
+    return siblings[:1] or tuple(topic for topic in topics if topic.rsplit("/", 1)[-1] == INFO_NAME)
+
+
+@dataclass(frozen=True, slots=True)
+class _Stamped:
+    info: CameraInfo
+    frame_id: str
+    stamp_ns: int | None
+
+
+@dataclass(slots=True, eq=False)
+class DepthCameras:
+    """The cameras of one recording: takes CameraInfos as they come, decodes depth images with those that fit.
+
+    The rays of a camera's pixels are computed once, and again only if its calibration changes.
+    """
+
+    _infos: dict[str, deque[_Stamped]] = field(default_factory=dict)
+    _rays: dict[tuple[CameraInfo, int, int, bool], FloatArray] = field(default_factory=dict)
+
+    def add_info(self, topic: str, message: Any) -> None:
+        """Remember a CameraInfo; raises `MessageError` if it is none."""
+        info = CameraInfo.from_message(message)
+        with reading("CameraInfo"):
+            stamped = _Stamped(info, frame_name(message.header.frame_id), stamp_ns(message.header.stamp))
+        self._infos.setdefault(topic, deque(maxlen=REMEMBERED)).append(stamped)
+
+    def decode(self, topic: str, message: Any) -> Decoded:
+        """The points of a depth image in its optical frame: x right, y down, z forward.
+
+        The CameraInfo is that of the topic's sibling camera_info, or else any with the image's frame and size; of those
+        the one nearest in time. A topic whose last name begins with image_rect holds rectified images.
+
+        Raises
+        ------
+        MissingCameraInfo
+            If none fits yet.
+        MessageError
+            If the image is broken or holds no depth, or its camera is not calibrated for it.
+        """
+        with reading("image"):
+            frame, stamp = frame_name(message.header.frame_id), stamp_ns(message.header.stamp)
+        width, height = image_size(message)
+        info = self._info_for(topic, frame, (width, height), stamp)
+        info.check_size(width, height)  # before anything of the image's size is allocated
+        depth, pixels = read_depth(message).metres()
+        rays = self._rays_of(info, (width, height), rectified=_base(topic).rsplit("/", 1)[-1].startswith(RECTIFIED))
+        points = np.empty((len(depth), 3))
+        points[:, :2] = rays[pixels]
+        points[:, :2] *= depth[:, None]
+        points[:, 2] = depth
+        finite = np.isfinite(points[:, 0])
+        if not finite.all():
+            points = points[finite]
+        return Decoded(points, None, width * height - len(points), (height, width), frame, stamp)
+
+    def _info_for(self, topic: str, frame_id: str, size: tuple[int, int], stamp: int | None) -> CameraInfo:
+        found = [stamped for sibling in _siblings(topic) for stamped in self._infos.get(sibling, ())]
+        if not found:
+            known = [stamped for infos in self._infos.values() for stamped in infos]
+            found = [stamped for stamped in known if (stamped.frame_id, stamped.info.size) == (frame_id, size)]
+        if not found:
+            there = ", ".join(self._infos) or "none"
+            raise MissingCameraInfo(
+                f"no CameraInfo for {topic}: expected on {next(_siblings(topic))}, or one for frame {frame_id!r} and "
+                f"{size[0]} × {size[1]} pixels; CameraInfos seen so far: {there}"
+            )
+        newest_first = found[::-1]
+        if stamp is None:
+            return newest_first[0].info
+        return min(newest_first, key=lambda stamped: abs((stamped.stamp_ns or 0) - stamp)).info
+
+    def _rays_of(self, info: CameraInfo, size: tuple[int, int], *, rectified: bool) -> FloatArray:
+        key = (info, *size, rectified)
+        if key not in self._rays:
+            while len(self._rays) >= RAYS_KEPT:
+                del self._rays[next(iter(self._rays))]
+            self._rays[key] = info.rays(*size, rectified=rectified)
+        return self._rays[key]
+
+
+def _base(topic: str) -> str:
+    """The image's topic without what image_transport appends."""
+    for transport in TRANSPORTS:
+        topic = topic.removesuffix(transport)
+    return topic
+
+
+def _siblings(topic: str) -> Iterator[str]:
+    """Where the CameraInfo of an image topic is by convention: beside the image; a few simulators put it below."""
+    base = _base(topic)
+    yield f"{base.rpartition('/')[0]}/{INFO_NAME}"
+    yield f"{base}/{INFO_NAME}"

@@ -1,0 +1,101 @@
+"""Which frames of a recording are wanted, and the words for that on a command line."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from decimal import Decimal, InvalidOperation
+
+from flatgrasp_cli.errors import UsageError
+
+NS = 1_000_000_000
+UNIX_S = 100_000_000
+"""No recording is this many seconds long: a greater number is Unix time."""
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """A time: `ns` after the recording's start, or, if `absolute`, after 1970."""
+
+    ns: int
+    absolute: bool
+
+    def after(self, start_ns: int) -> int:
+        """The time in nanoseconds since 1970, of a recording that starts at `start_ns`."""
+        return self.ns if self.absolute else start_ns + self.ns
+
+
+@dataclass(frozen=True, slots=True)
+class Every:
+    """Every n-th frame, or the first in each period."""
+
+    frames: int = 1
+    period_ns: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Selection:
+    """Which frames of a recording, and how they are wanted.
+
+    `topic` is None for the only one with clouds; frames lie in start ≤ t < end, or are the first at or after `at`.
+    They come in `base_frame`, by the recording's own transforms, if that is given, and with `colors` if those are
+    wanted. With `strict`, the first problem ends the reading with an error.
+    """
+
+    topic: str | None = None
+    start: Moment | None = None
+    end: Moment | None = None
+    at: Moment | None = None
+    every: Every = Every()
+    count: int | None = None
+    base_frame: str | None = None
+    colors: bool = False
+    strict: bool = False
+
+
+EVERYTHING = Selection()
+
+
+def parse_moment(text: str) -> Moment:
+    """Read seconds from the recording's start, Unix seconds, or an ISO 8601 time, in UTC if it names no zone.
+
+    Raises
+    ------
+    UsageError
+        If it is none of these.
+    """
+    seconds = _seconds(text)
+    if seconds is not None:
+        return Moment(int(seconds * NS), seconds >= UNIX_S)
+    try:
+        time = datetime.fromisoformat(text)
+    except ValueError:
+        raise UsageError(f"{text!r} is no time: give seconds from the start, or e.g. 2026-11-23T14:05:00") from None
+    since = (time if time.tzinfo else time.replace(tzinfo=UTC)) - datetime.fromtimestamp(0, UTC)
+    return Moment((since.days * 86_400 + since.seconds) * NS + since.microseconds * 1000, absolute=True)
+
+
+def parse_every(text: str) -> Every:
+    """Read "5", frames, or "0.5s", seconds.
+
+    Raises
+    ------
+    UsageError
+        If it is neither, or not positive.
+    """
+    period = _seconds(text[:-1]) if text.endswith("s") else None
+    if period is not None and period * NS >= 1:
+        return Every(period_ns=int(period * NS))
+    if re.fullmatch(r"0*[1-9]\d*", text):
+        return Every(frames=int(text))
+    raise UsageError(f"--every {text}: give a number of frames, as 5, or of seconds, as 0.5s")
+
+
+def _seconds(text: str) -> Decimal | None:
+    """The number of seconds, exact to the nanosecond, 0 or more; None if it is none."""
+    try:
+        value = Decimal(text)
+    except InvalidOperation:
+        return None
+    return value if value.is_finite() and 0 <= value < 2**63 // NS else None

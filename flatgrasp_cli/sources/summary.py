@@ -1,0 +1,174 @@
+"""What a source holds: container, topics, duration, frames, and the first cloud of each topic with clouds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+from flatgrasp_cli.errors import SourceError
+from flatgrasp_cli.model import Cloud
+from flatgrasp_cli.sources.containers import Recording, Topic, is_recording, open_recording
+from flatgrasp_cli.sources.frames import recorded_clouds
+from flatgrasp_cli.sources.messages import CLOUD_TYPES, MessageError
+from flatgrasp_cli.sources.open import STDIN, on_disk, read_file
+from flatgrasp_cli.sources.pcd_header import read_pcd_header
+from flatgrasp_cli.sources.placement import TRANSFORM_TYPES
+from flatgrasp_cli.sources.selection import NS, Selection
+from flatgrasp_cli.sources.topics import depth_topics
+from flatgrasp_cli.sources.transforms import TransformBuffer
+
+TRANSFORMS_READ = 1000
+"""Transform messages of each topic that are read for the names of frames."""
+
+
+@dataclass(frozen=True, slots=True)
+class TopicSummary:
+    """A topic; `rate_hz` is its mean over the whole recording."""
+
+    name: str
+    type: str
+    encoding: str
+    count: int | None
+    rate_hz: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class CloudSummary:
+    """The first cloud of a topic, or that of a file; `low_m` and `high_m` are the corners of its axis-aligned box."""
+
+    topic: str | None
+    stamp_ns: int | None
+    frame_id: str
+    points: int
+    shape: tuple[int, ...]
+    fields: tuple[str, ...]
+    nan_share: float
+    low_m: tuple[float, ...] | None
+    high_m: tuple[float, ...] | None
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """What a source holds; times are None where there are none."""
+
+    path: str
+    container: str
+    start_ns: int | None = None
+    end_ns: int | None = None
+    topics: tuple[TopicSummary, ...] = ()
+    frames: tuple[str, ...] = ()
+    clouds: tuple[CloudSummary, ...] = ()
+    problems: dict[str, int] = field(default_factory=dict)
+
+    @property
+    def duration_s(self) -> float | None:
+        """Seconds from the first message to the last."""
+        return None if self.start_ns is None or self.end_ns is None else (self.end_ns - self.start_ns) / NS
+
+
+def summarize(source: str) -> Summary:
+    """What the file, folder or standard input ("-") `source` holds.
+
+    Raises
+    ------
+    SourceError
+        If it cannot be read at all.
+    """
+    name = "stdin" if source == STDIN else source
+    with on_disk(source) as path:
+        if not is_recording(path):
+            return _of_file(path, name)
+        with open_recording(path, name) as recording:
+            topics = tuple(_of_topic(topic, recording) for topic in recording.topics)
+            clouds = tuple(_of_clouds(path, name, recording))
+            frames = {*_frames(recording), *(cloud.frame_id for cloud in clouds)} - {""}
+            return Summary(
+                name,
+                recording.container,
+                recording.start_ns,
+                recording.end_ns,
+                topics,
+                tuple(sorted(frames)),
+                clouds,
+                dict(recording.problems.counts),
+            )
+
+
+def _of_file(path: Path, name: str) -> Summary:
+    cloud = read_file(path, name)
+    with path.open("rb") as file:
+        if file.read(3) == b"ply":
+            file.seek(0)
+            return Summary(name, "PLY", clouds=(_of_cloud(cloud, (len(cloud.points) + cloud.dropped,), ()),))
+        file.seek(0)
+        header = read_pcd_header(file, name)
+    return Summary(name, "PCD", clouds=(_of_cloud(cloud, (header.height, header.width), header.fields),))
+
+
+def _of_topic(topic: Topic, recording: Recording) -> TopicSummary:
+    rate = None
+    if topic.count is not None and topic.count > 1 and recording.start_ns is not None and recording.end_ns is not None:
+        duration_ns = recording.end_ns - recording.start_ns
+        rate = (topic.count - 1) * NS / duration_ns if duration_ns > 0 else None
+    return TopicSummary(topic.name, topic.type, topic.encoding, topic.count, rate)
+
+
+def _of_clouds(path: Path, name: str, recording: Recording) -> Iterator[CloudSummary]:
+    topics = [topic for topic in recording.topics if topic.type in CLOUD_TYPES and topic.count != 0]
+    for topic in (*topics, *depth_topics(recording)):
+        try:
+            cloud = next(recorded_clouds(path, name, 1.0, Selection(topic=topic.name, count=1)))
+        except SourceError as error:
+            recording.problems.add(str(error).removeprefix(f"{name}: "))
+            continue
+        for message in islice(recording.messages([topic.name]), 1):
+            yield _of_cloud(cloud, _shape(message.value, cloud), _fields(message.value))
+
+
+def _of_cloud(cloud: Cloud, shape: tuple[int, ...], fields: tuple[str, ...]) -> CloudSummary:
+    declared = len(cloud.points) + cloud.dropped
+    empty = len(cloud.points) == 0
+    return CloudSummary(
+        cloud.source.topic,
+        cloud.source.stamp_ns,
+        cloud.frame_id,
+        declared,
+        shape,
+        fields,
+        cloud.dropped / declared if declared else 0.0,
+        None if empty else tuple(cloud.points.min(axis=0).tolist()),
+        None if empty else tuple(cloud.points.max(axis=0).tolist()),
+    )
+
+
+def _shape(message: Any, cloud: Cloud) -> tuple[int, ...]:
+    """Height and width of an organised cloud, or the number of points."""
+    height, width = int(getattr(message, "height", 0)), int(getattr(message, "width", 0))
+    declared = len(cloud.points) + cloud.dropped
+    return (height, width) if height * width == declared else (declared,)
+
+
+def _fields(message: Any) -> tuple[str, ...]:
+    """Names of the fields of a cloud's points; an image's encoding."""
+    if hasattr(message, "encoding") or hasattr(message, "format"):
+        return (str(getattr(message, "encoding", "") or getattr(message, "format", "")),)
+    if hasattr(message, "channels"):
+        return ("x", "y", "z", *(str(channel.name) for channel in message.channels))
+    return tuple(str(item.name) for item in message.fields)
+
+
+def _frames(recording: Recording) -> tuple[str, ...]:
+    """Frames that the first transforms name."""
+    buffer = TransformBuffer()
+    for topic in recording.topics:
+        if topic.type not in TRANSFORM_TYPES:
+            continue
+        for message in islice(recording.messages([topic.name]), TRANSFORMS_READ):
+            try:
+                buffer.add(message.value)
+            except MessageError as error:
+                recording.problems.add(f"message on {topic.name} left out: {error}")
+    return buffer.frames()

@@ -1,0 +1,72 @@
+"""Which topic of a recording holds the clouds."""
+
+from __future__ import annotations
+
+from flatgrasp_cli.errors import SourceError
+from flatgrasp_cli.sources.containers.recording import Recording, Topic
+from flatgrasp_cli.sources.messages import CLOUD_TYPES, IMAGE_TYPES, is_depth
+
+LEGACY = "sensor_msgs/msg/PointCloud"
+LISTED = 40
+
+
+def choose_topic(recording: Recording, wanted: str | None, name: str) -> Topic:
+    """The topic called `wanted`, or, if that is None, the only one with clouds.
+
+    PointCloud2 and Foxglove's clouds come before ROS's old PointCloud, and that before depth images.
+
+    Raises
+    ------
+    SourceError
+        If it is not there, holds something else, or if there are several.
+    """
+    if wanted is not None:
+        return _called(recording, wanted, name)
+    clouds = [topic for topic in recording.topics if topic.type in CLOUD_TYPES and topic.count != 0]
+    preferred = [topic for topic in clouds if topic.type != LEGACY] or clouds or depth_topics(recording)
+    if len(preferred) == 1:
+        return preferred[0]
+    if preferred:
+        raise SourceError(f"{name}: several topics hold clouds; choose one with --topic{_listed(preferred)}")
+    raise SourceError(f"{name}: holds no point clouds and no depth images{_listed(recording.topics)}")
+
+
+def depth_topics(recording: Recording) -> list[Topic]:
+    """The image topics whose first message is a depth image; the encoding alone tells."""
+    return [topic for topic in recording.topics if topic.type in IMAGE_TYPES and _begins_with_depth(recording, topic)]
+
+
+def _begins_with_depth(recording: Recording, topic: Topic) -> bool:
+    first = next(recording.messages([topic.name]), None)
+    return first is not None and is_depth(first.value)
+
+
+def _called(recording: Recording, wanted: str, name: str) -> Topic:
+    named = [topic for topic in recording.topics if topic.name.strip("/") == wanted.strip("/")]
+    if not named:
+        raise SourceError(f"{name}: has no topic {wanted}{_listed(recording.topics)}")
+    usable = [topic for topic in named if topic.type in CLOUD_TYPES or topic.type in IMAGE_TYPES]
+    if not usable:
+        types = " and ".join(topic.type for topic in named)
+        raise SourceError(
+            f"{name}: topic {wanted} holds {types}, no point clouds or depth images{_listed(recording.topics)}"
+        )
+    return usable[0]
+
+
+def _listed(topics: tuple[Topic, ...] | list[Topic]) -> str:
+    """The topics with types and counts, a line each, those with clouds first."""
+    if not topics:
+        return "; it has no topics"
+
+    def usefulness(topic: Topic) -> tuple[bool, bool, str]:
+        return (topic.type not in CLOUD_TYPES, topic.type not in IMAGE_TYPES, topic.name)
+
+    ordered = sorted(topics, key=usefulness)
+    lines = [f"  {topic.name}  {topic.type}  {_counted(topic)}" for topic in ordered[:LISTED]]
+    more = [f"  … and {len(ordered) - LISTED} more"] if len(ordered) > LISTED else []
+    return "; it has:\n" + "\n".join(lines + more)
+
+
+def _counted(topic: Topic) -> str:
+    return "messages not counted" if topic.count is None else f"{topic.count} message{'s'[: topic.count != 1]}"
