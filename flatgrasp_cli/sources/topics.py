@@ -20,6 +20,9 @@ def choose_topic(recording: Recording, wanted: str | None, name: str) -> Topic:
     SourceError
         If it is not there, holds something else, or if there are several.
     """
+    if not recording.topics:
+        problem = next(iter(recording.problems.counts), "")
+        raise SourceError(f"{name}: is a recording ({recording.container}) without topics{problem and f': {problem}'}")
     if wanted is not None:
         return _called(recording, wanted, name)
     clouds = [topic for topic in recording.topics if topic.type in CLOUD_TYPES and topic.count != 0]
@@ -56,8 +59,6 @@ def _called(recording: Recording, wanted: str, name: str) -> Topic:
 
 def _listed(topics: tuple[Topic, ...] | list[Topic]) -> str:
     """The topics with types and counts, a line each, those with clouds first."""
-    if not topics:
-        return "; it has no topics"
 
     def usefulness(topic: Topic) -> tuple[bool, bool, str]:
         return (topic.type not in CLOUD_TYPES, topic.type not in IMAGE_TYPES, topic.name)
