@@ -398,7 +398,7 @@ def test_an_interrupt_is_exit_130(plate: Path, run: Run, monkeypatch: pytest.Mon
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("flatgrasp_cli.planning.plan", interrupted)
+    monkeypatch.setattr("flatgrasp_cli.job.plan", interrupted)
     done = run("plan", plate, "--json")
     assert (done.code, done.out) == (130, "")
     assert "interrupted" in done.err

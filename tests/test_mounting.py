@@ -15,9 +15,9 @@ from jsonschema import Draft202012Validator
 
 from flatgrasp_cli import load_camera_pose, load_settings
 from flatgrasp_cli.cli import main
-from flatgrasp_cli.cli.mounting import mounting
 from flatgrasp_cli.errors import ProfileError, UsageError
 from flatgrasp_cli.geometry.frames import quaternion_from_axes
+from flatgrasp_cli.mounting import mounting
 from flatgrasp_cli.profiles import profile_path
 from flatgrasp_cli.results.document import json_schema
 from tests.conftest import MM, TABLE, Box, Camera, Solid

@@ -1,0 +1,40 @@
+"""What to do with every cloud of every source: the gripper, the settings, the robot, which frames, in which frame."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from flatgrasp_cli.model import Cloud
+from flatgrasp_cli.mounting import Mounting
+from flatgrasp_cli.planning import Plan, plan
+from flatgrasp_cli.profiles import Gripper, PlannerSettings
+from flatgrasp_cli.sources import EVERYTHING, Selection, read_clouds
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """Everything that decides an answer but the cloud itself; `scale` is the metres in a unit of the source."""
+
+    gripper: Gripper
+    settings: PlannerSettings
+    mounting: Mounting
+    selection: Selection = EVERYTHING
+    scale: float = 1.0
+    top: int = 10
+
+    def clouds(self, source: str, *, colors: bool = False) -> Iterator[tuple[Cloud, float]]:
+        """The wanted clouds of a source in the base frame, each with the milliseconds that reading it took."""
+        selection = replace(self.selection, base_frame=self.mounting.looked_up, colors=colors)
+        clouds = read_clouds(source, self.scale, selection)
+        while True:
+            began = time.perf_counter()
+            cloud = next(clouds, None)
+            if cloud is None:
+                return
+            yield self.mounting.placed(cloud), 1e3 * (time.perf_counter() - began)
+
+    def plan(self, cloud: Cloud) -> Plan:
+        """Plan grasps on one of them."""
+        return plan(cloud, self.gripper, self.settings, top=self.top, robot=self.mounting.robot)
