@@ -24,3 +24,7 @@ class SourceError(FlatgraspError):
     """An input that cannot be read or holds no usable cloud."""
 
     exit_code = 3
+
+
+class NoFramesError(SourceError):
+    """A recording that can be read, but has no usable frame of those that were asked for."""

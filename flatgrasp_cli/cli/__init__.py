@@ -20,6 +20,7 @@ from flatgrasp_cli import __version__
 from flatgrasp_cli.errors import FlatgraspError, UsageError
 
 COMMANDS = {
+    "batch": "Plan grasps on many recordings, on all cores or a cluster.",
     "inspect": "Show what clouds and recordings hold.",
     "plan": "Plan grasps on point clouds.",
     "profiles": "List, show and check gripper, robot and planner profiles.",

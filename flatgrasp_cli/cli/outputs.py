@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -63,10 +62,7 @@ class Outputs:
         from flatgrasp_cli.results.document import to_document, to_json
         from flatgrasp_cli.results.table import refusal
 
-        began = time.perf_counter()
         document = to_document(plan, read_ms)
-        total_ms = read_ms + plan.scene_ms + plan.plan_ms + 1e3 * (time.perf_counter() - began)
-        document["timing_ms"]["total"] = round(total_ms, 3)
         if self._folder is not None:
             self._write_file(self._folder / f"{stem}.grasps.json", to_json(document, indent=2) + "\n")
             self._draw(plan, self._folder, stem)

@@ -235,15 +235,15 @@ def json_schema() -> dict[str, Any]:
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": SCHEMA_ID, **schema}
 
 
-def to_document(plan: Plan, read_ms: float = 0.0, total_ms: float | None = None) -> dict[str, Any]:
+def to_document(plan: Plan, read_ms: float = 0.0) -> dict[str, Any]:
     """A plan as the JSON-ready document of schema `flatgrasp.plan/1`.
 
     Parameters
     ----------
     plan
         From `flatgrasp_cli.plan`.
-    read_ms, total_ms
-        Times that the caller measured; the total is reading and planning when not given.
+    read_ms
+        Milliseconds that reading the cloud took.
     """
     cloud, source = plan.cloud, plan.cloud.source
     document = Document(
@@ -269,7 +269,7 @@ def to_document(plan: Plan, read_ms: float = 0.0, total_ms: float | None = None)
             read=round(read_ms, 3),
             scene=round(plan.scene_ms, 3),
             plan=round(plan.plan_ms, 3),
-            total=round(read_ms + plan.scene_ms + plan.plan_ms if total_ms is None else total_ms, 3),
+            total=round(read_ms + plan.scene_ms + plan.plan_ms, 3),
         ),
     )
     return document.model_dump(mode="json", by_alias=True)

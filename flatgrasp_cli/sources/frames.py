@@ -10,7 +10,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from flatgrasp_cli.errors import SourceError
+from flatgrasp_cli.errors import NoFramesError
 from flatgrasp_cli.model import Cloud, Source
 from flatgrasp_cli.sources.containers import open_recording
 from flatgrasp_cli.sources.containers.recording import Message, Recording, Topic
@@ -49,7 +49,8 @@ def recorded_clouds(path: Path, name: str, scale: float, selection: Selection) -
             topic = choose_topic(recording, selection.topic, name)
             placement = None
             if selection.base_frame is not None:  # opened once more, for transforms are read ahead of the clouds
-                placement = Placement(stack.enter_context(open_recording(path, name)), selection.base_frame)
+                again = stack.enter_context(open_recording(path, name))
+                placement = Placement(again, selection.base_frame, _window(recording, selection)[0])
             yield from _usable(recording, topic, (name, scale, placement), selection)
         finally:
             for what, count in recording.problems.counts.items():
@@ -80,9 +81,9 @@ def _usable(
             return
     if yielded == 0 and seen:
         recording.problems.counts.pop(f"frame on {topic.name} left out: {reason}", None)  # the error says it
-        raise SourceError(f"{name}: none of {seen} frames on {topic.name} can be used: {reason}")
+        raise NoFramesError(f"{name}: none of {seen} frames on {topic.name} can be used: {reason}")
     if yielded == 0:
-        raise SourceError(f"{name}: no message on {topic.name} {_in_time(recording, selection)}")
+        raise NoFramesError(f"{name}: no message on {topic.name} {_in_time(recording, selection)}")
 
 
 def _opened(recording: Recording, topic: Topic, selection: Selection) -> tuple[Iterator[Message], Decode]:

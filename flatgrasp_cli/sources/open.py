@@ -13,6 +13,7 @@ from typing import BinaryIO
 
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.model import Cloud
+from flatgrasp_cli.sources.remote import copy_url, is_url
 from flatgrasp_cli.sources.selection import EVERYTHING, Selection
 
 STDIN = "-"
@@ -22,14 +23,14 @@ SNIFFED_BYTES = 65_536
 def read_clouds(
     source: str | os.PathLike[str], scale: float = 1.0, selection: Selection = EVERYTHING
 ) -> Iterator[Cloud]:
-    """Yield the clouds of a PCD or PLY file, of a recording, or of standard input for "-".
+    """Yield the clouds of a PCD or PLY file or of a recording: a path, a URL, or "-" for standard input.
 
     A recording is an MCAP file, a ROS 1 bag, or a rosbag2 folder or file. One cloud at a time is in memory.
 
     Parameters
     ----------
     source
-        A path, or "-".
+        A path, a URL that fsspec knows, or "-".
     scale
         Metres in one unit of the source: 0.001 for one in millimetres.
     selection
@@ -75,14 +76,18 @@ def read_file(path: Path, name: str) -> Cloud:
 
 @contextmanager
 def on_disk(name: str) -> Iterator[Path]:
-    """A seekable file: the source itself, or a temporary copy of standard input or of a pipe."""
+    """A seekable file: the source itself, or a temporary copy of standard input, of a pipe, or of what a URL names."""
     path = Path(name)
     try:
         if name != STDIN and (path.is_file() or path.is_dir()):
             yield path
             return
-        with _pipe(name) as pipe, tempfile.NamedTemporaryFile(prefix="flatgrasp-") as spool:
-            shutil.copyfileobj(pipe, spool)
+        with tempfile.NamedTemporaryFile(prefix="flatgrasp-") as spool:
+            if is_url(name):
+                copy_url(name, spool)
+            else:
+                with _pipe(name) as pipe:
+                    shutil.copyfileobj(pipe, spool)
             spool.flush()
             yield Path(spool.name)
     except OSError as error:

@@ -28,16 +28,21 @@ KEPT_NS = 5_000_000_000
 
 
 class Placement:
-    """Follows the transforms of `recording`, a little ahead of the clouds, and forgets them behind."""
+    """Follows the transforms of `recording`, a little ahead of the clouds, and forgets them behind.
 
-    def __init__(self, recording: Recording, base_frame: str) -> None:
+    No cloud is logged before `start_ns`, if that is given.
+    """
+
+    def __init__(self, recording: Recording, base_frame: str, start_ns: int | None = None) -> None:
         self._base_frame, self._recording = base_frame, recording
         self._buffer = TransformBuffer()
         topics = {topic.name for topic in recording.topics if topic.type in TRANSFORM_TYPES}
         static = {name for name in topics if name.endswith(STATIC)}
         for message in recording.messages(static):
             self._add(message, static=True)
-        self._moving: Iterator[Message] = recording.messages(topics - static)
+        self._moving: Iterator[Message] = recording.messages(
+            topics - static, None if start_ns is None else start_ns - KEPT_NS
+        )
         self._read_to_ns = -1
 
     def place(self, cloud: Cloud, logged_ns: int) -> Cloud:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, BinaryIO, TypeVar
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -32,9 +32,9 @@ def new_figure(width: float = 8.0, height: float = 6.0) -> Figure:
     return figure
 
 
-def save_figure(figure: Figure, path: Path) -> None:
+def save_figure(figure: Figure, target: Path | BinaryIO) -> None:
     """Write the figure as PNG."""
-    figure.savefig(path, format="png", dpi=120)
+    figure.savefig(target, format="png", dpi=120)
 
 
 def plane_axes(figure: Figure, title: str, position: Any = 111) -> Axes:

@@ -1,0 +1,121 @@
+"""Where the work is done, behind the one interface of concurrent.futures: here, on all cores, or on a Dask cluster."""
+
+from __future__ import annotations
+
+import logging
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass
+from multiprocessing.connection import wait
+from typing import Any, TypeVar
+
+from flatgrasp_cli.errors import UsageError
+
+T = TypeVar("T")
+
+LOCAL_CLUSTER = "local"
+EXTRA = "pip install 'flatgrasp[cluster]'"
+ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OPENCV_FOR_THREADS_NUM")
+"""Libraries that would start a thread a core in every worker."""
+
+
+class InProcess(Executor):
+    """Does the work at once, in the caller's own thread."""
+
+    def submit(self, fn: Callable[..., T], /, *args: Any, **kwargs: Any) -> Future[T]:
+        """Call `fn` and give back a future that is done."""
+        future: Future[T] = Future()
+        try:
+            future.set_result(fn(*args, **kwargs))
+        except Exception as error:  # noqa: BLE001 - it belongs to whoever asks the future
+            future.set_exception(error)
+        return future
+
+
+@dataclass(frozen=True, slots=True)
+class Workers:
+    """So many worker processes; with `cluster`, an address or "local", those of a Dask cluster."""
+
+    count: int
+    cluster: str | None = None
+
+    @contextmanager
+    def open(self) -> Iterator[Executor]:
+        """Open an executor. When it closes, nothing is waited for: what is still at work is stopped."""
+        if self.cluster is not None:
+            with _dask(self.cluster, self.count) as executor:
+                yield executor
+        elif self.count == 1:
+            yield InProcess()
+        else:
+            with _processes(self.count) as executor:
+                yield executor
+
+
+@contextmanager
+def _processes(workers: int) -> Iterator[Executor]:
+    with _one_thread_each():
+        # spawned, not forked: libraries with threads of their own do not survive a fork
+        context = multiprocessing.get_context("spawn")
+        pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_become_worker)
+        try:
+            yield pool
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)
+            for process in multiprocessing.active_children():
+                process.terminate()
+
+
+def _become_worker() -> None:
+    """Leave Ctrl-C to the coordinator, and end when it does, however it ended."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+
+        def end_with_parent() -> None:
+            wait([parent.sentinel])
+            os._exit(1)
+
+        threading.Thread(target=end_with_parent, daemon=True).start()
+
+
+@contextmanager
+def _dask(cluster: str, workers: int) -> Iterator[Executor]:
+    try:
+        from distributed import Client, LocalCluster
+    except ImportError as error:
+        raise UsageError(f"--cluster needs Dask: {EXTRA}") from error
+    logging.getLogger("distributed").setLevel(logging.ERROR)  # it tells of every worker's coming and going
+    with _one_thread_each():
+        try:
+            if cluster == LOCAL_CLUSTER:
+                here = LocalCluster(n_workers=workers, threads_per_worker=1)
+                client = Client(here)
+            else:
+                here, client = None, Client(cluster, timeout="10s")
+        except (OSError, ValueError) as error:
+            raise UsageError(f"--cluster {cluster}: cannot be reached: {error or type(error).__name__}") from error
+        try:
+            yield client.get_executor()
+        finally:
+            client.close(timeout=1)
+            if here is not None:
+                here.close(timeout=1)
+
+
+@contextmanager
+def _one_thread_each() -> Iterator[None]:
+    """What is in the environment when a worker starts decides how many threads its libraries start."""
+    before = {name: os.environ.get(name) for name in ONE_THREAD}
+    os.environ.update({name: "1" for name in ONE_THREAD if before[name] is None})
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)

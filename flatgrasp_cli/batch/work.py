@@ -1,0 +1,126 @@
+"""What a worker does: plan the frames of one slice, and give back text that can be written as it is."""
+
+from __future__ import annotations
+
+import io
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from flatgrasp_cli.batch.slices import Slice
+from flatgrasp_cli.errors import FlatgraspError, NoFramesError
+from flatgrasp_cli.job import Job
+from flatgrasp_cli.planning import Plan
+from flatgrasp_cli.results.document import to_document, to_json
+
+MM = 1000.0
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedFrame:
+    """One frame: its document as a line of JSON, what tables and reports need of it, and its pictures as PNG."""
+
+    document: str
+    record: dict[str, Any]
+    pictures: dict[str, bytes] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Done:
+    """What came of a slice; `error` says why the rest of it is missing, `empty` why it has no frames."""
+
+    slice: Slice
+    frames: list[PlannedFrame]
+    warnings: list[str]
+    error: str | None = None
+    empty: str | None = None
+
+
+def work(job: Job, piece: Slice, plots: bool) -> Done:
+    """Plan all frames of a slice."""
+    frames: list[PlannedFrame] = []
+    error = empty = None
+    mine = replace(job, selection=piece.selection(job.selection))
+    with _warnings() as warnings:
+        try:
+            for cloud, read_ms in mine.clouds(piece.input.source, colors=plots):
+                frames.append(_planned(mine.plan(cloud), read_ms, plots))
+        except NoFramesError as nothing:
+            empty = str(nothing)
+        except FlatgraspError as problem:
+            error = str(problem)
+    return Done(piece, frames, warnings, error, empty)
+
+
+def _planned(plan: Plan, read_ms: float, plots: bool) -> PlannedFrame:
+    document = to_document(plan, read_ms)
+    return PlannedFrame(to_json(document), _record(plan, document), _pictures(plan) if plots else {})
+
+
+def _record(plan: Plan, document: dict[str, Any]) -> dict[str, Any]:
+    """What the table and the report need of a frame."""
+    source = document["source"]
+    return {
+        **{key: source[key] for key in ("topic", "stamp_ns", "frame_id", "points")},
+        "status": document["status"],
+        "reason": document["reason"],
+        "stage": None if plan.best or not plan.objects else plan.objects[0].funnel[-1].stage,
+        "timing_ms": document["timing_ms"],
+        "objects": [_object_record(item) for item in document["objects"]],
+        "sketch": _sketch(plan),
+    }
+
+
+def _object_record(item: dict[str, Any]) -> dict[str, Any]:
+    best = item["grasps"][0] if item["grasps"] else None
+    record = {"id": item["id"], "points": item["points"], "status": item["status"], "reason": item["reason"]}
+    if best is not None:
+        record |= {"pose": best["pose"], "width_m": best["width_m"], "opening_m": best["opening_m"]}
+        record["metrics"] = best["metrics"]
+    return record
+
+
+def _sketch(plan: Plan) -> dict[str, Any] | None:
+    """Outline and contacts of the first object in whole millimetres: enough for a stamp-sized picture."""
+    if not plan.objects or plan.objects[0].trace.silhouette is None:
+        return None
+    item = plan.objects[0]
+    outline = item.trace.silhouette
+    assert outline is not None  # noqa: S101 - for the type checker
+    loops = [(MM * loop).round().astype(int).tolist() for loop in outline.loops]
+    contacts = [outline.frame.to_local(grasp.contacts)[:, :2] for grasp in item.grasps[:1]]
+    return {"loops": loops, "contacts": [row for pair in contacts for row in (MM * pair).round().astype(int).tolist()]}
+
+
+def _pictures(plan: Plan) -> dict[str, bytes]:
+    from flatgrasp_cli.results.figures import arm_figure, final_figure, save_figure
+
+    figures = {"grasps": final_figure(plan), "arm": arm_figure(plan)}
+    pictures = {}
+    for name, figure in figures.items():
+        if figure is not None:
+            content = io.BytesIO()
+            save_figure(figure, content)
+            pictures[name] = content.getvalue()
+    return pictures
+
+
+@contextmanager
+def _warnings() -> Iterator[list[str]]:
+    """Collects what the readers warn of instead of printing it: the coordinator says it once."""
+    logger, texts = logging.getLogger("flatgrasp_cli"), list[str]()
+
+    class Collector(logging.Handler):
+        def emit(self, record: logging.LogRecord) -> None:
+            texts.append(record.getMessage())
+
+    collector, propagate = Collector(logging.WARNING), logger.propagate
+    logger.addHandler(collector)
+    logger.propagate = False
+    try:
+        yield texts
+    finally:
+        logger.removeHandler(collector)
+        logger.propagate = propagate

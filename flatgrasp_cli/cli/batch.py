@@ -1,0 +1,192 @@
+"""`flatgrasp batch SOURCE…`."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from flatgrasp_cli.cli.planning_options import planning_options
+from flatgrasp_cli.errors import SourceError, UsageError
+
+if TYPE_CHECKING:
+    from flatgrasp_cli.batch.inputs import Input
+    from flatgrasp_cli.batch.run import Progress
+    from flatgrasp_cli.batch.store import Store
+    from flatgrasp_cli.job import Job
+
+NO_GRASP, INTERRUPTED = 1, 130
+PLAIN_EVERY_S = 10.0
+
+
+@click.command("batch")
+@click.argument("sources", metavar="SOURCE…", nargs=-1)
+@click.option("--from-list", metavar="FILE|-", help="Read further sources from a file, or standard input, a line each.")
+@planning_options
+@click.option(
+    "--out",
+    "-o",
+    type=click.Path(path_type=Path, file_okay=False),
+    metavar="DIR",
+    required=True,
+    help="Folder of results.",
+)
+@click.option("--jobs", "-j", type=click.IntRange(min=1), metavar="N", help="Worker processes; all cores if not given.")
+@click.option("--cluster", metavar="ADDRESS|local", help="Work on a Dask cluster, e.g. tcp://host:8786.")
+@click.option("--plots", is_flag=True, help="Draw the final grasp of every frame as PNG, too.")
+@click.option("--force", is_flag=True, help="Start over, instead of going on with what the folder holds.")
+@click.option("--quiet", "-q", is_flag=True, help="No progress.")
+def command(
+    sources: tuple[str, ...],
+    from_list: str | None,
+    job: Job,
+    out: Path,
+    jobs: int | None,
+    cluster: str | None,
+    plots: bool,
+    force: bool,
+    quiet: bool,
+) -> int:
+    """Plan grasps on many clouds and recordings: files, folders, globs, and URLs (s3://, gs://, http://).
+
+    Writes into DIR a NAME.jsonl for each SOURCE, grasps.parquet (without pyarrow grasps.csv), summary.json and
+    report.html. Uses all cores. Stopped at any moment, the same command goes on where it was. Exit code 0: a grasp in
+    every frame; 1: some frame has none; 3: some source could not be read.
+    """
+    from flatgrasp_cli.batch.executors import Workers
+    from flatgrasp_cli.batch.inputs import find_inputs
+    from flatgrasp_cli.batch.run import Progress, run
+    from flatgrasp_cli.batch.store import Store
+
+    inputs = find_inputs((*sources, *_listed(from_list)))
+    if not inputs:
+        raise UsageError("nothing to plan: name files, folders, globs or URLs, or give --from-list")
+    store = Store(out)
+    with _full_disk(out):
+        store.prepare(job, plots, force=force)
+        with _shown(quiet) as (say, watch):
+            progress = Progress(say, watch)
+            try:
+                run(job, inputs, store, Workers(jobs or _cores(), cluster), progress, plots=plots)
+            except KeyboardInterrupt:
+                click.echo(
+                    f"flatgrasp: stopped after {progress.frames} frames; the same command goes on from there", err=True
+                )
+                return INTERRUPTED
+        _conclude(store, inputs)
+    if not quiet:
+        click.echo(
+            f"flatgrasp: {progress.frames - progress.frames_refused} of {progress.frames} frames with a grasp, "
+            f"{progress.inputs_failed} of {progress.inputs} inputs failed; see {out / 'report.html'}",
+            err=True,
+        )
+    if progress.inputs_failed:
+        return SourceError.exit_code
+    return NO_GRASP if progress.frames_refused else 0
+
+
+def _cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
+
+
+def _listed(from_list: str | None) -> list[str]:
+    """The lines of a file or of standard input that are not empty."""
+    if from_list is None:
+        return []
+    try:
+        text = sys.stdin.read() if from_list == "-" else Path(from_list).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise UsageError(f"--from-list {from_list}: cannot be read: {error}") from error
+    return [line.strip() for line in text.splitlines() if line.strip()]
+
+
+def _conclude(store: Store, inputs: list[Input]) -> None:
+    """Write what is about the whole batch."""
+    from flatgrasp_cli.batch.report import report
+    from flatgrasp_cli.batch.summary import batch_values, summarize
+    from flatgrasp_cli.batch.table import write_table
+
+    found = summarize(store, inputs)
+    values = batch_values(found)
+    write_table(store, inputs)
+    store.write("report.html", "".join(report(found, values)))
+    store.write("summary.json", json.dumps(values, indent=2, ensure_ascii=False) + "\n")
+
+
+@contextmanager
+def _full_disk(out: Path) -> Iterator[None]:
+    """Turn a failure to write into an error that says what to do; what was written before it is whole."""
+    try:
+        yield
+    except OSError as error:
+        raise UsageError(
+            f"{out}: cannot be written: {error.strerror or error}; make room and give the same command again, "
+            "or choose another folder with --out DIR"
+        ) from error
+
+
+@contextmanager
+def _shown(quiet: bool) -> Iterator[tuple[Callable[[str], None], Callable[[Progress], None]]]:
+    """How to say and show things: a bar on a terminal, else a line now and then."""
+    if quiet or not sys.stderr.isatty():
+        watch: Callable[[Progress], None] = _ignore if quiet else _Plain()
+        yield _say, watch
+        return
+    with _bar() as (say, watch):
+        yield say, watch
+
+
+def _say(text: str) -> None:
+    click.echo(f"flatgrasp: {text}", err=True)
+
+
+def _ignore(_progress: Progress) -> None:
+    pass
+
+
+class _Plain:
+    """A line every ten seconds."""
+
+    def __init__(self) -> None:
+        self._began = self._said = time.monotonic()
+
+    def __call__(self, progress: Progress) -> None:
+        now = time.monotonic()
+        if now - self._said >= PLAIN_EVERY_S:
+            self._said = now
+            rate = progress.planned / (now - self._began)
+            _say(f"{100 * progress.share:.0f} %, {_numbers(progress)}, {rate:.1f} frames/s")
+
+
+def _numbers(progress: Progress) -> str:
+    return (
+        f"{progress.frames} frames, {progress.frames_refused} without a grasp, "
+        f"{progress.inputs_done} of {progress.inputs} inputs, {progress.inputs_failed} failed"
+    )
+
+
+@contextmanager
+def _bar() -> Iterator[tuple[Callable[[str], None], Callable[[Progress], None]]]:
+    from rich.console import Console
+    from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import Progress as Bar
+
+    began = time.monotonic()
+    columns = (BarColumn(), TaskProgressColumn(), TextColumn("{task.description}"), TimeRemainingColumn())
+    with Bar(*columns, console=Console(stderr=True)) as bar:
+        task = bar.add_task("", total=1.0)
+
+        def watch(progress: Progress) -> None:
+            rate = progress.planned / max(time.monotonic() - began, 1e-9)
+            bar.update(task, completed=progress.share, description=f"{_numbers(progress)}, {rate:.1f} frames/s")
+
+        yield partial(bar.console.print, markup=False, highlight=False), watch
