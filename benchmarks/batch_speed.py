@@ -29,6 +29,7 @@ from flatgrasp_cli.batch.store import Store
 from flatgrasp_cli.job import Job
 from flatgrasp_cli.mounting import mounting
 from flatgrasp_cli.results.document import to_document, to_json
+from flatgrasp_cli.threads import one_thread_each
 
 SAMPLE = Path(__file__).resolve().parent.parent / "sample_data" / "pan_ros2"
 START_NS, PERIOD_NS, SHORT = 1_700_000_000 * 10**9, 100_000_000, 32
@@ -72,6 +73,7 @@ def main() -> None:
     parser.add_argument("--repeat", type=int, default=3)
     parser.add_argument("--cluster", action="store_true", help="measure a local Dask cluster, too")
     options = parser.parse_args()
+    one_thread_each()
     job = replace(Job(load_gripper("pr2"), load_settings(), mounting(None, None, None)), top=1)
     ways: dict[str, Callable[[Job, Path], float]] = {
         "in a loop": in_a_loop,

@@ -15,13 +15,12 @@ from multiprocessing.connection import wait
 from typing import Any, TypeVar
 
 from flatgrasp_cli.errors import UsageError
+from flatgrasp_cli.threads import one_thread_each
 
 T = TypeVar("T")
 
 LOCAL_CLUSTER = "local"
 EXTRA = "pip install 'flatgrasp[cluster]'"
-ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OPENCV_FOR_THREADS_NUM")
-"""Libraries that would start a thread a core in every worker."""
 
 
 class InProcess(Executor):
@@ -45,30 +44,33 @@ class Workers:
     cluster: str | None = None
 
     @contextmanager
-    def open(self) -> Iterator[Executor]:
-        """Open an executor. When it closes, nothing is waited for: what is still at work is stopped."""
+    def open(self) -> Iterator[tuple[Executor, int]]:
+        """Open an executor; with it comes how many calls it does at a time.
+
+        When it closes, nothing is waited for: what is still at work is stopped.
+        """
         if self.cluster is not None:
-            with _dask(self.cluster, self.count) as executor:
-                yield executor
+            with _dask(self.cluster, self.count) as opened:
+                yield opened
         elif self.count == 1:
-            yield InProcess()
+            yield InProcess(), 1
         else:
             with _processes(self.count) as executor:
-                yield executor
+                yield executor, self.count
 
 
 @contextmanager
 def _processes(workers: int) -> Iterator[Executor]:
-    with _one_thread_each():
-        # spawned, not forked: libraries with threads of their own do not survive a fork
-        context = multiprocessing.get_context("spawn")
-        pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_become_worker)
-        try:
-            yield pool
-        finally:
-            pool.shutdown(wait=False, cancel_futures=True)
-            for process in multiprocessing.active_children():
-                process.terminate()
+    one_thread_each()
+    # spawned, not forked: libraries with threads of their own do not survive a fork
+    context = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_become_worker)
+    try:
+        yield pool
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
+        for process in multiprocessing.active_children():
+            process.terminate()
 
 
 def _become_worker() -> None:
@@ -85,37 +87,24 @@ def _become_worker() -> None:
 
 
 @contextmanager
-def _dask(cluster: str, workers: int) -> Iterator[Executor]:
+def _dask(cluster: str, workers: int) -> Iterator[tuple[Executor, int]]:
     try:
         from distributed import Client, LocalCluster
     except ImportError as error:
         raise UsageError(f"--cluster needs Dask: {EXTRA}") from error
     logging.getLogger("distributed").setLevel(logging.ERROR)  # it tells of every worker's coming and going
-    with _one_thread_each():
-        try:
-            if cluster == LOCAL_CLUSTER:
-                here = LocalCluster(n_workers=workers, threads_per_worker=1)
-                client = Client(here)
-            else:
-                here, client = None, Client(cluster, timeout="10s")
-        except (OSError, ValueError) as error:
-            raise UsageError(f"--cluster {cluster}: cannot be reached: {error or type(error).__name__}") from error
-        try:
-            yield client.get_executor()
-        finally:
-            client.close(timeout=1)
-            if here is not None:
-                here.close(timeout=1)
-
-
-@contextmanager
-def _one_thread_each() -> Iterator[None]:
-    """What is in the environment when a worker starts decides how many threads its libraries start."""
-    before = {name: os.environ.get(name) for name in ONE_THREAD}
-    os.environ.update({name: "1" for name in ONE_THREAD if before[name] is None})
+    one_thread_each()
     try:
-        yield
+        if cluster == LOCAL_CLUSTER:
+            here = LocalCluster(n_workers=workers, threads_per_worker=1)
+            client = Client(here)
+        else:
+            here, client = None, Client(cluster, timeout="10s")
+    except (OSError, ValueError) as error:
+        raise UsageError(f"--cluster {cluster}: cannot be reached: {error or type(error).__name__}") from error
+    try:
+        yield client.get_executor(), max(1, sum(client.nthreads().values()))
     finally:
-        for name, value in before.items():
-            if value is None:
-                os.environ.pop(name, None)
+        client.close(timeout=1)
+        if here is not None:
+            here.close(timeout=1)

@@ -129,11 +129,11 @@ def _drain(batch: _Batch, pieces: Iterator[Slice], workers: Workers) -> bool:
     """Work until nothing is left, or the executor breaks; whether it broke."""
     waiting: dict[Future[Done], Slice] = {}
     broken = False
-    with workers.open() as pool:
+    with workers.open() as (pool, slots):
         while True:
             # a slice that may have killed its worker is tried alone: others in flight would be suspected with it
             alone = bool(batch.again) or any(batch.tries[piece.input, piece.index] for piece in waiting.values())
-            while len(waiting) < (1 if alone else AHEAD * workers.count) and not broken:
+            while len(waiting) < (1 if alone else AHEAD * slots) and not broken:
                 piece = batch.again.popleft() if batch.again else next(pieces, None)
                 if piece is None:
                     break

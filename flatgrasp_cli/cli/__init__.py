@@ -18,6 +18,7 @@ import click
 
 from flatgrasp_cli import __version__
 from flatgrasp_cli.errors import FlatgraspError, UsageError
+from flatgrasp_cli.threads import one_thread_each
 
 COMMANDS = {
     "batch": "Plan grasps on many recordings, on all cores or a cluster.",
@@ -83,6 +84,7 @@ def _abandon_stdout() -> None:
 
 def main() -> NoReturn:
     """Run the command line as a process: errors become one or two lines on stderr and an exit code."""
+    one_thread_each()
     logging.basicConfig(format="flatgrasp: %(levelname)s: %(message)s", level=logging.WARNING, stream=sys.stderr)
     logging.addLevelName(logging.WARNING, "warning")
     try:
