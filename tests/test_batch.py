@@ -412,12 +412,15 @@ def test_quiet(plate: Path, run: Run) -> None:
     assert run("batch", plate, "-o", "out", "-j", "1", "--quiet", *FAST) == (0, "", "")
 
 
-@pytest.mark.skipif(shutil.which("chromium") is None, reason="Chromium is not installed")
+CHROMIUM = shutil.which("chromium")
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed")
 def test_the_report_opens_in_chromium_without_network(plate: Path, run: Run) -> None:
     assert run("batch", plate, SAMPLES / "pan_ros2", "-o", "out", "-j", "1", "--gripper", "pr2").code == 0
     options = ["--headless", "--no-sandbox", "--disable-gpu", "--host-resolver-rules=MAP * ~NOTFOUND", "--dump-dom"]
     page = Path("out/report.html").resolve().as_uri()
-    shown = subprocess.run(["chromium", *options, page], capture_output=True, text=True, check=True).stdout
+    shown = subprocess.run([str(CHROMIUM), *options, page], capture_output=True, text=True, check=True).stdout
     assert "4 of 4 frames with a grasp" in shown
     assert shown.count("<path") == 4
     assert shown.index("pan_ros2") < shown.index("plate.pcd")
