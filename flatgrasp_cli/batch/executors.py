@@ -9,7 +9,7 @@ import signal
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing.connection import wait
 from typing import Any, TypeVar
@@ -105,6 +105,8 @@ def _dask(cluster: str, workers: int) -> Iterator[tuple[Executor, int]]:
     try:
         yield client.get_executor(), max(1, sum(client.nthreads().values()))
     finally:
-        client.close(timeout=1)
+        with suppress(TimeoutError):  # they go on closing, and nothing of ours waits for that
+            client.close(timeout=1)
         if here is not None:
-            here.close(timeout=1)
+            with suppress(TimeoutError):
+                here.close(timeout=5)

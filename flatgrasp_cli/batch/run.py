@@ -63,7 +63,7 @@ class _Batch:
             mark = fingerprint(item.source)
             state = self.store.finished(item, mark)
             if state is not None:
-                self._count(item, state, announce=False)
+                self._count(state, announce=False)
                 continue
             if self.store.state(item) is not None:
                 self.progress.say(f"{item.source}: has changed or failed before, and is planned again")
@@ -101,14 +101,14 @@ class _Batch:
 
     def _finish(self, item: Input) -> None:
         state = self.store.finish(item, self.open.pop(item).slices)
-        self._count(item, state, announce=True)
+        self._count(state, announce=True)
 
-    def _count(self, item: Input, state: InputState, *, announce: bool) -> None:
+    def _count(self, state: InputState, *, announce: bool) -> None:
         self.progress.inputs_done += 1
         self.progress.inputs_failed += state.error is not None
         if not announce:
             self.progress.frames += state.frames
-            self.progress.frames_refused += sum(record["status"] != "ok" for record in self.store.records(item))
+            self.progress.frames_refused += state.refused
             return
         for warning in state.warnings:
             self.progress.say(f"warning: {warning}")

@@ -3,6 +3,7 @@
 - OUT/NAME.jsonl: the documents of a finished input, a line a frame
 - OUT/NAME/SECONDS.NANOSECONDS.*.png: its pictures, when they were asked for
 - OUT/.flatgrasp/manifest.json: what the results were made with
+- OUT/.flatgrasp/concluded: the inputs that the files about the whole batch tell of
 - OUT/.flatgrasp/done/NAME.jsonl: a finished input: its state, then a record a frame
 - OUT/.flatgrasp/parts/NAME/K.jsonl: a slice of one that is not finished: its state, then record and document in turn
 """
@@ -33,13 +34,16 @@ class InputState:
 
     fingerprint: str
     frames: int = 0
+    refused: int = 0
     error: str | None = None
     empty: str | None = None
     warnings: list[str] = field(default_factory=list)
 
     def line(self) -> str:
         """The state as a line of JSON."""
-        values = {name: getattr(self, name) for name in ("fingerprint", "frames", "error", "empty", "warnings")}
+        values = {
+            name: getattr(self, name) for name in ("fingerprint", "frames", "refused", "error", "empty", "warnings")
+        }
         return json.dumps(values, ensure_ascii=False) + "\n"
 
 
@@ -91,10 +95,12 @@ class Store:
     def add(self, done: Done, fingerprint: str) -> None:
         """Keep what came of a slice."""
         item = done.slice.input
+        self._concluded.unlink(missing_ok=True)
         for frame in done.frames:
             for kind, content in frame.pictures.items():
                 _write_bytes(self._out / item.name / f"{_stamp(frame.record)}.{kind}.png", content)
-        state = InputState(fingerprint, len(done.frames), done.error, done.empty, done.warnings)
+        refused = sum(frame.record["status"] != "ok" for frame in done.frames)
+        state = InputState(fingerprint, len(done.frames), refused, done.error, done.empty, done.warnings)
         lines = (
             line
             for frame in done.frames
@@ -110,7 +116,8 @@ class Store:
         empty = next((state.empty for state in states if state.empty is not None), None) if frames == 0 else None
         error = next((state.error for state in states if state.error is not None), None) or empty
         warnings = list(dict.fromkeys(text for state in states for text in state.warnings))
-        state = InputState(states[0].fingerprint, frames, error, None, warnings)
+        refused = sum(state.refused for state in states)
+        state = InputState(states[0].fingerprint, frames, refused, error, None, warnings)
         if frames:
             _write(self._documents_path(item), _renumbered(parts))
         _write(self._done_path(item), _chain(state.line(), _records(parts)))
@@ -138,9 +145,23 @@ class Store:
         """Write a file about the whole batch."""
         _write(self._out / name, [text])
 
+    def conclude(self, inputs: Iterable[Input]) -> None:
+        """Say that the files about the whole batch are those of these inputs, until more is added."""
+        _write(self._concluded, _sources(inputs))
+
+    def concluded(self, inputs: Iterable[Input]) -> bool:
+        """Whether they are."""
+        with suppress(OSError):
+            return self._concluded.read_text(encoding="utf-8") == "".join(_sources(inputs))
+        return False
+
     def path(self, name: str) -> Path:
         """Where a file about the whole batch is."""
         return self._out / name
+
+    @property
+    def _concluded(self) -> Path:
+        return self._state / "concluded"
 
     def _documents_path(self, item: Input) -> Path:
         return self._out / f"{item.name}.jsonl"
@@ -158,6 +179,10 @@ class Store:
                 return InputState(**json.loads(next(lines)))
         except (OSError, ValueError, TypeError, StopIteration):
             return None
+
+
+def _sources(inputs: Iterable[Input]) -> Iterator[str]:
+    return (f"{item.name}\t{item.source}\n" for item in inputs)
 
 
 def _manifest(job: Job, plots: bool) -> dict[str, Any]:

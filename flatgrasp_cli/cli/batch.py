@@ -81,7 +81,8 @@ def command(
                     f"flatgrasp: stopped after {progress.frames} frames; the same command goes on from there", err=True
                 )
                 return INTERRUPTED
-        _conclude(store, inputs)
+        if not store.concluded(inputs):
+            _conclude(store, inputs)
     if not quiet:
         click.echo(
             f"flatgrasp: {progress.frames - progress.frames_refused} of {progress.frames} frames with a grasp, "
@@ -120,6 +121,7 @@ def _conclude(store: Store, inputs: list[Input]) -> None:
     write_table(store, inputs)
     store.write("report.html", "".join(report(found, values)))
     store.write("summary.json", json.dumps(values, indent=2, ensure_ascii=False) + "\n")
+    store.conclude(inputs)
 
 
 @contextmanager
