@@ -96,9 +96,9 @@ class Store:
         """Keep what came of a slice."""
         item = done.slice.input
         self._concluded.unlink(missing_ok=True)
-        for frame in done.frames:
+        for name, frame in zip(_file_names(done), done.frames, strict=True):
             for kind, content in frame.pictures.items():
-                _write_bytes(self._out / item.name / f"{_stamp(frame.record)}.{kind}.png", content)
+                _write_bytes(self._out / item.name / f"{name}.{kind}.png", content)
         refused = sum(frame.record["status"] != "ok" for frame in done.frames)
         state = InputState(fingerprint, len(done.frames), refused, done.error, done.empty, done.warnings)
         lines = (
@@ -228,12 +228,14 @@ def _renumbered(parts: Iterable[Path]) -> Iterator[str]:
                 index += 1
 
 
-def _stamp(record: dict[str, Any]) -> str:
-    """A file name for a frame."""
-    if record["stamp_ns"] is None:
-        return "cloud"
-    seconds, ns = divmod(record["stamp_ns"], 1_000_000_000)
-    return f"{seconds}.{ns:09d}"
+def _file_names(done: Done) -> Iterator[str]:
+    """A name for each frame: its time; frames of the same time are told apart by slice and number."""
+    taken = set[str]()
+    for k, frame in enumerate(done.frames):
+        stamp_ns = frame.record["stamp_ns"]
+        name = "cloud" if stamp_ns is None else "{}.{:09d}".format(*divmod(stamp_ns, 1_000_000_000))
+        yield f"{name}-{done.slice.index}-{k}" if name in taken else name
+        taken.add(name)
 
 
 def _chain(first: str, rest: Iterable[str]) -> Iterator[str]:
