@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.geometry.polygon import left_normal
 from flatgrasp_cli.profiles.gripper import Gripper
 
@@ -29,6 +29,10 @@ class Hands:
     def __len__(self) -> int:
         """Number of grasps."""
         return len(self.width)
+
+    def select(self, keep: IntArray) -> Hands:
+        """The grasps that `keep` names."""
+        return Hands(self.center[keep], self.axis[keep], self.width[keep], self.opening[keep])
 
     @classmethod
     def of_contacts(cls, contacts: FloatArray, opening: FloatArray) -> Hands:

@@ -21,6 +21,7 @@ from flatgrasp_cli.planner.caging.hands import Box, Hands
 
 TURNS, LEFT_M = 30, 1e-4
 """A turn goes on in steps that the clearance allows, until that is used up but for this."""
+TOUCH_M = 1e-6
 MOST_TURN = 0.5 * np.pi
 
 
@@ -30,7 +31,8 @@ def tolerances(loops: Sequence[FloatArray], hands: Hands, boxes: Sequence[Box]) 
     x = points @ left_normal(hands.axis).T - dot(left_normal(hands.axis), hands.center)
     y = points @ hands.axis.T - dot(hands.axis, hands.center)
     position = _clearance(x, y, breaks, boxes)
-    free = position > 0
+    free = position > TOUCH_M
+    position = np.where(free, position, 0.0)
     along, across = np.where(free, _shifts(x, y, breaks, boxes), 0.0)
     lever = np.max([np.hypot(corner_x, corner_y) for box in boxes for corner_x, corner_y in box.corners], axis=0)
     turn = np.where(free, _turn((x, y), breaks, boxes, lever, position), 0.0)
