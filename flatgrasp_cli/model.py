@@ -237,6 +237,51 @@ class Reach:
     limit: str | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class Tolerance:
+    """How far the hand may miss, one way at a time, and still close into the same grasp.
+
+    `position_m` in any direction, `along_m` the closing axis and `across_m` it; `rotation_deg` about the approach. A
+    turn and a shift at once are surely forgiven while shift + `lever_m` · turn (rad) ≤ `position_m`.
+    """
+
+    position_m: float
+    along_m: float
+    across_m: float
+    rotation_deg: float
+    lever_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class Cage:
+    """Whether the fingers hold the object without touching it, and within which openings; lengths of None: no limit.
+
+    A squeezing cage holds a hand that opens no further than `opening_max_m`; closing, it ends in this grasp if it began
+    below `basin_opening_max_m`. A stretching cage holds from inside, above `opening_min_m`; opening, it ends in this
+    grasp if it began above `basin_opening_min_m`. `margin_m` is what the hand may open (or close) from the grasp's
+    width before the object can get away. `closes_into_m` is the width at which the fingers come to rest in the basin.
+    `guaranteed` says whether the outline may err by the settings' noise and the cage still hold at the grasp's width,
+    `guaranteed_opening_max_m` or `_min_m` up to which opening. `on_approach` and `basin_on_approach` say whether cage
+    and basin hold at the opening of the approach already. `reason` says why there is no cage.
+    """
+
+    squeezing: bool
+    stretching: bool
+    reason: str | None
+    on_approach: bool = False
+    basin_on_approach: bool = False
+    opening_max_m: float | None = None
+    opening_min_m: float | None = None
+    basin_opening_max_m: float | None = None
+    basin_opening_min_m: float | None = None
+    margin_m: float | None = None
+    closes_into_m: float | None = None
+    guaranteed: bool = False
+    guaranteed_opening_max_m: float | None = None
+    guaranteed_opening_min_m: float | None = None
+    tolerance: Tolerance | None = None
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Grasp:
     """One grasp, best first by `rank` from 1.

@@ -196,6 +196,21 @@ class GravitySettings(Profile):
     """Cost of each metre of the fingers' way that no ray reached, both sides together."""
 
 
+class CagingSettings(Profile):
+    """Beyond the paper: within which openings the object cannot get away."""
+
+    closing: Literal["inward", "outward"]
+    """Whether the fingers close on the object or open in a notch or a hole of it."""
+    tolerance_m: Length
+    """How far the outline may be simplified; more if it has more than `max_vertices` then."""
+    max_vertices: Annotated[int, Field(ge=8, le=1000)]
+    """Time grows with their square."""
+    noise_m: Length
+    """By how much the outline may be wrong in the guaranteed limits."""
+    told_apart_m: Length
+    """Grasps less deep than this, from their width to the opening that leads to the next one, count as one."""
+
+
 class PlannerSettings(Profile):
     """Everything that the planner can be told."""
 

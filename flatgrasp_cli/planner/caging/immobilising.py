@@ -1,0 +1,82 @@
+"""All grasps of an outline that two point fingers close into, each with its cage: a method of its own.
+
+Allen, Burdick & Rimon, "Two-fingered caging of polygons via contact-space graph search" (ICRA 2012): an object is held
+where the distance of two fingers on its outline is least; such a grasp cages it up to the opening that leads out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
+from flatgrasp_cli.planner.caging.certificate import caging_of
+from flatgrasp_cli.planner.caging.contact_space import SAME, Caging
+from flatgrasp_cli.planner.caging.outline import prepare
+from flatgrasp_cli.profiles.settings import CagingSettings
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Immobilisation:
+    """Two contacts (2, 2) in plane coordinates whose distance `width_m` is the least, or for fingers that open most.
+
+    Beyond `escape_m` the object can get away, beyond `basin_m` (no farther) into another grasp; None: without limit.
+    Where parallel edges leave the fingers room to slide, the contacts are the middle of it.
+    """
+
+    contacts: FloatArray
+    width_m: float
+    escape_m: float | None
+    basin_m: float | None
+
+    @property
+    def depth_m(self) -> float:
+        """How far the fingers may open, or close, before the grasp is another one."""
+        return np.inf if self.basin_m is None else abs(self.basin_m - self.width_m)
+
+
+def immobilising_grasps(loops: Sequence[FloatArray], settings: CagingSettings) -> tuple[Immobilisation, ...]:
+    """All grasps of the region `loops` (n_l, 2) that are told apart, the one that forgives most first.
+
+    They are those of the outline simplified as the settings say; there are none of one that crosses itself.
+    """
+    outline = prepare(loops, settings)
+    if outline is None:
+        return ()
+    caging = caging_of(outline.boundary, settings)
+    found = [_immobilisation(caging, int(basin)) for basin in _grasps(caging, settings.told_apart_m)]
+    return tuple(sorted(found, key=lambda each: (-each.depth_m, each.width_m)))
+
+
+def _grasps(caging: Caging, told_apart: float) -> IntArray:
+    """The basins that are grasps of their own: no dents in another one's floor, and deep enough."""
+    levels, lowest = caging.levels, caging.basins.lowest
+    size = float(np.ptp(caging.boundary.start, axis=0).max())
+    own = levels.deepest == np.arange(len(lowest))
+    return np.flatnonzero(own & (levels.merge - lowest > max(told_apart, SAME * size)))
+
+
+def _immobilisation(caging: Caging, basin: int) -> Immobilisation:
+    sign = -1.0 if caging.stretching else 1.0
+    escape, merge = (float(each[basin]) for each in (caging.levels.escape, caging.levels.merge))
+    return Immobilisation(
+        contacts=_middle(caging, basin),
+        width_m=sign * float(caging.basins.lowest[basin]),
+        escape_m=sign * escape if np.isfinite(escape) else None,
+        basin_m=sign * merge if np.isfinite(merge) else None,
+    )
+
+
+def _middle(caging: Caging, basin: int) -> FloatArray:
+    """The contacts (2, 2) at the bottom of a basin, halfway between the ends of where they can slide."""
+    minima = caging.minima
+    at_bottom = caging.basins.of_node[minima.vertex, minima.edge] == basin
+    points = minima.points(caging.boundary)[at_bottom]
+    swapped = points[:, ::-1]  # the fingers are alike
+    apart, apart_swapped = (np.abs(each - points[0]).sum(axis=(1, 2)) for each in (points, swapped))
+    points = np.where((apart <= apart_swapped)[:, None, None], points, swapped)
+    one_end = points[np.abs(points - points[0]).sum(axis=(1, 2)).argmax()]
+    other_end = points[np.abs(points - one_end).sum(axis=(1, 2)).argmax()]
+    return np.asarray(0.5 * (one_end + other_end))

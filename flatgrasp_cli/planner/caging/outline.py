@@ -1,0 +1,74 @@
+"""Outlines made ready for caging: few vertices, and one so much smaller that the true one surely covers it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.planner.caging.boundary import Boundary
+from flatgrasp_cli.profiles.settings import CagingSettings
+
+COARSER = 1.5
+MITRE = 2.0
+"""Longest corner of an offset, in offsets: an arc's vertices for nothing but a rounder corner are not worth it."""
+FINEST_M = 1e-5
+CONVEX_SHARE = 1e-9
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Outline:
+    """What caging is computed on.
+
+    `boundary` strays from the outline by at most `tolerance_m`; `eroded`, None if nothing is left, lies within every
+    outline that differs from the given one by no more than the noise: what holds it holds them all.
+    """
+
+    boundary: Boundary
+    eroded: Boundary | None
+    convex: bool
+    tolerance_m: float
+
+
+def prepare(loops: Sequence[FloatArray], settings: CagingSettings) -> Outline | None:
+    """The outline of `loops` (n_l, 2), the outer one first; None if it crosses itself and so has no inside."""
+    import shapely
+
+    region = shapely.Polygon(loops[0], loops[1:])
+    if not region.is_valid or region.area == 0:
+        return None
+    plain, tolerance = _simplified(region, settings)
+    small = plain.buffer(-(settings.noise_m + tolerance), join_style="mitre", mitre_limit=MITRE)
+    small = max(shapely.get_parts(small), key=lambda part: part.area, default=None)  # of a rigid body, one is enough
+    hull = plain.convex_hull.area
+    return Outline(
+        boundary=boundary_of(plain),
+        eroded=None if small is None or small.is_empty else boundary_of(small),
+        convex=hull - plain.area <= CONVEX_SHARE * hull,
+        tolerance_m=tolerance,
+    )
+
+
+def _simplified(region: Any, settings: CagingSettings) -> tuple[Any, float]:
+    """The region simplified within the tolerance, or the next coarser one that leaves few enough vertices; and that."""
+    import shapely
+
+    tolerance = settings.tolerance_m
+    plain = shapely.simplify(region, tolerance)
+    most = max(settings.max_vertices, 8 * (1 + len(plain.interiors))) + 1 + len(plain.interiors)  # rings close
+    while shapely.get_num_coordinates(plain) > most:
+        tolerance = max(COARSER * tolerance, FINEST_M)
+        plain = shapely.simplify(region, tolerance)
+    return plain, tolerance
+
+
+def boundary_of(region: Any) -> Boundary:
+    """The boundary of a shapely polygon, the region to its left."""
+    import shapely
+
+    region = shapely.orient_polygons(region)
+    rings = [shapely.get_coordinates(ring)[:-1] for ring in (region.exterior, *region.interiors)]
+    return Boundary.of([ring[np.any(ring != np.roll(ring, 1, axis=0), axis=1)] for ring in rings])
