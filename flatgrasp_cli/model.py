@@ -238,6 +238,18 @@ class Reach:
 
 
 @dataclass(frozen=True, slots=True)
+class Closure:
+    """Force closure: Ferrari & Canny's ε of fingers that touch in a point and of whole pads, and friction to spare.
+
+    `friction_margin` is None where no friction would do.
+    """
+
+    epsilon_points: float
+    epsilon_pads: float
+    friction_margin: float | None
+
+
+@dataclass(frozen=True, slots=True)
 class Tolerance:
     """How far the hand may miss, one way at a time, and still close into the same grasp.
 
@@ -310,6 +322,8 @@ class Grasp:
     tip_height_m: float | None = None
     grip_m: float | None = None
     unseen_m: float | None = None
+    cage: Cage | None = None
+    closure: Closure | None = None
     reach: Reach | None = None
 
 

@@ -19,7 +19,9 @@ from flatgrasp_cli.model import (
     Stage,
     Trace,
 )
+from flatgrasp_cli.planner.allen import point_finger_grasps
 from flatgrasp_cli.planner.balance import force_balance, force_balanced, torque_balanced
+from flatgrasp_cli.planner.certification import certified, is_caged
 from flatgrasp_cli.planner.depth import Landing, at_mid_height, land, upright
 from flatgrasp_cli.planner.fingers import finger_candidates, inward_directions, step_points
 from flatgrasp_cli.planner.funnel import Funnel, NothingLeft
@@ -47,14 +49,27 @@ def plan_object(cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings,
     parts = (
         [Part(box, box.frame, cloud.points)] if cloud.support is None else sliced(cloud, box, cloud.support, settings)
     )
-    best = min((_plan_part(cloud, part, gripper, settings, top) for part in parts), key=_least_cost)
+    cages_decide = settings.caging.require or settings.caging.prefer == "cage"
+
+    def planned(part: Part) -> ObjectPlan:
+        if not cages_decide:
+            return _plan_part(cloud, part, gripper, settings, top)
+        return certified(_plan_part(cloud, part, gripper, settings, settings.caging.considered), gripper, settings, top)
+
+    best = min(map(planned, parts), key=_best_first)
     side = standing(cloud, box, settings) if cloud.support is not None and not best.grasps else None
-    return best if side is None else min(best, _plan_part(cloud, side, gripper, settings, top), key=_least_cost)
+    best = best if side is None else min(best, planned(side), key=_best_first)
+    return best if cages_decide else certified(best, gripper, settings, top)
 
 
-def _least_cost(plan: ObjectPlan) -> tuple[float, int]:
-    """Order of plans: by the best grasp's cost; of those without one the first that came furthest."""
-    return (plan.grasps[0].cost_m if plan.grasps else np.inf, -len(plan.funnel))
+def _best_first(plan: ObjectPlan) -> tuple[bool, float, int]:
+    """Order of plans: those that were asked for a cage and have one, then by the best grasp's cost; last those without.
+
+    Of those the first that came furthest.
+    """
+    if not plan.grasps:
+        return (True, np.inf, -len(plan.funnel))
+    return (plan.grasps[0].cage is not None and not is_caged(plan.grasps[0]), plan.grasps[0].cost_m, 0)
 
 
 def _plan_part(cloud: ObjectCloud, part: Part, gripper: Gripper, settings: PlannerSettings, top: int) -> ObjectPlan:
@@ -78,6 +93,10 @@ def _section_three(
     # A.1 is the box and its main plane; A.2 the silhouette
     outline = trace.silhouette = silhouette(part.points, part.frame, settings.silhouette)
     funnel.count("silhouette", len(outline.loops), "the points are too scattered for an outline")
+    if settings.method == "allen":
+        grasps = point_finger_grasps(outline, terrain.lowest_m if terrain else 0.0, settings)
+        funnel.count("immobilising", len(grasps), "no two points of the outline hold it: it is convex, or nearly")
+        return grasps[:top]
 
     # A.3 step points, finger candidates, grasping directions
     steps = trace.steps = step_points(outline, settings.fingers)

@@ -44,7 +44,7 @@ def profile_path(kind: str, name_or_path: str) -> Path:
     if name_or_path not in known:
         raise ProfileError(
             f"no {kind} profile named {name_or_path!r}{_suggest(name_or_path, known)}\n"
-            f"known: {', '.join(known)}; or give the path of your own .yaml file"
+            f"known: {_names(kind)}; or give the path of your own .yaml file"
         )
     return configs_dir() / FOLDERS[kind] / f"{name_or_path}.yaml"
 
@@ -88,7 +88,7 @@ def load_camera_pose(text: str) -> CameraPose:
 def load_settings(name_or_path: str = "default", overrides: tuple[str, ...] = ()) -> PlannerSettings:
     """Load planner settings by name or by path, then apply `overrides` such as "fingers.step_m=0.004"."""
     path = profile_path("planner", name_or_path)
-    data = _read_yaml(path)
+    data = _extended(_read_yaml(path), path)
     for override in overrides:
         _apply(data, override)
     return _validate(PlannerSettings, data, path, "; ".join(f"--set {text}" for text in overrides))
@@ -96,7 +96,7 @@ def load_settings(name_or_path: str = "default", overrides: tuple[str, ...] = ()
 
 def load_profile(path: Path) -> Profile:
     """Load a profile of any kind; its own `profile:` key says which."""
-    data = _read_yaml(path)
+    data = _extended(_read_yaml(path), path)
     return _validate(MODELS[_kind_of(data, path)], data, path)
 
 
@@ -128,6 +128,28 @@ def _read_yaml(path: Path) -> dict[str, Any]:
     if not isinstance(data, dict):
         raise ProfileError(f"{path}: a profile is a list of `key: value` lines, this is {type(data).__name__}")
     return data
+
+
+def _extended(data: dict[str, Any], path: Path) -> dict[str, Any]:
+    """A planner profile with the keys that it leaves to the shipped one it `extends`."""
+    if data.get("profile") != "planner" or "extends" not in data:
+        return data
+    own = dict(data)
+    name = own.pop("extends")
+    if name not in list_profiles("planner"):
+        raise ProfileError(f"{path}: extends: {name!r} is no shipped profile; use one of {_names('planner')}")
+    base = _read_yaml(profile_path("planner", name))
+    if "extends" in base:
+        raise ProfileError(f"{path}: extends: {name!r} extends another profile itself; extend that one")
+    return _merged(base, own)
+
+
+def _merged(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
+    merged = dict(base)
+    for key, value in own.items():
+        below = merged.get(key)
+        merged[key] = _merged(below, value) if isinstance(below, dict) and isinstance(value, dict) else value
+    return merged
 
 
 class _UniqueKeys(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc] # libyaml is ten times as fast
@@ -177,7 +199,7 @@ def _validate(model: type[P], data: dict[str, Any], path: Path, overrides: str =
 
 def problems_in(path: Path) -> list[str]:
     """Every fault of a profile, a line each; empty when it is sound. Raises `ProfileError` when it is no profile."""
-    data = _read_yaml(path)
+    data = _extended(_read_yaml(path), path)
     model = MODELS[_kind_of(data, path)]
     try:
         model.model_validate(data)
@@ -206,6 +228,10 @@ def _fields_at(model: type[BaseModel], path: list[str]) -> list[str]:
         options = typing.get_args(annotation) if isinstance(annotation, types.UnionType) else (annotation,)
         model = next(option for option in options if isinstance(option, type) and issubclass(option, BaseModel))
     return list(model.model_fields)
+
+
+def _names(kind: str) -> str:
+    return ", ".join(list_profiles(kind))
 
 
 def _suggest(word: str, known: list[str]) -> str:

@@ -199,6 +199,14 @@ class GravitySettings(Profile):
 class CagingSettings(Profile):
     """Beyond the paper: within which openings the object cannot get away."""
 
+    certify: bool
+    """Whether the best grasps get certificates."""
+    prefer: Literal["cost", "cage"]
+    """cage: grasps with a cage first, of those the one that forgives the largest miss."""
+    require: bool
+    """Whether a grasp without a cage is none."""
+    considered: Annotated[int, Field(ge=1, le=1000)]
+    """How many of the cheapest grasps compete when cages decide."""
     closing: Literal["inward", "outward"]
     """Whether the fingers close on the object or open in a notch or a hole of it."""
     tolerance_m: Length
@@ -216,6 +224,8 @@ class PlannerSettings(Profile):
 
     profile: Literal["planner"] = "planner"
     name: str
+    method: Literal["lei_wisse", "allen"]
+    """Whose grasps: the paper's, or those of two point fingers (Allen, Burdick & Rimon 2012, its reference [1])."""
     seed: Annotated[int, Field(ge=0)]
     scene: SceneSettings
     main_plane: MainPlaneSettings
@@ -225,6 +235,7 @@ class PlannerSettings(Profile):
     hand: HandSettings
     depth: DepthSettings
     gravity: GravitySettings
+    caging: CagingSettings
 
     def resolve(self, gripper: Gripper) -> PlannerSettings:
         """The same with every None that the gripper decides replaced; those that the object decides stay None."""

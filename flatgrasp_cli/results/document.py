@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import asdict
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -165,6 +166,55 @@ class ReachPart(_Part):
     limit: str | None
 
 
+class ClosurePart(_Part):
+    """Force closure: Ferrari & Canny's ε for point contacts and for whole pads, and friction beyond what is needed.
+
+    Forces sum to 1; torques are about the outline's centre of area, over its largest radius. 0: not force closed.
+    """
+
+    epsilon_points: Number
+    epsilon_pads: Number
+    friction_margin: Number | None
+
+
+class TolerancePart(_Part):
+    """How far the hand may miss, one way at a time, and still close into this grasp.
+
+    A turn and a shift at once are surely forgiven while shift + `lever_m` · turn (rad) ≤ `position_m`.
+    """
+
+    position_m: Number
+    along_m: Number
+    across_m: Number
+    rotation_deg: Number
+    lever_m: Number
+
+
+class CagePart(_Part):
+    """Within which openings the object cannot get away, or the `reason` why it can; null: no limit.
+
+    Below `opening_max_m` it is caged, below `basin_opening_max_m` closing ends in this grasp; `opening_min_m` and
+    `basin_opening_min_m` are the same of fingers that open. `guaranteed`: even if the outline errs by the settings'
+    noise.
+    """
+
+    squeezing: bool
+    stretching: bool
+    reason: str | None
+    on_approach: bool
+    basin_on_approach: bool
+    opening_max_m: Number | None
+    opening_min_m: Number | None
+    basin_opening_max_m: Number | None
+    basin_opening_min_m: Number | None
+    margin_m: Number | None
+    closes_into_m: Number | None
+    guaranteed: bool
+    guaranteed_opening_max_m: Number | None
+    guaranteed_opening_min_m: Number | None
+    tolerance: TolerancePart | None
+
+
 class GraspPart(_Part):
     """One grasp; `contacts` and `fingers` are the −y side's and the +y side's.
 
@@ -182,7 +232,8 @@ class GraspPart(_Part):
     contacts: tuple[Vector3, Vector3]
     fingers: tuple[int, int]
     metrics: MetricsPart
-    cage: None
+    force_closure: ClosurePart | None
+    cage: CagePart | None
     reach: ReachPart | None
 
 
@@ -356,7 +407,8 @@ def _grasp(grasp: Grasp, item: ObjectPlan, plan: Plan) -> GraspPart:
         contacts=_numbers(grasp.contacts),
         fingers=grasp.fingers,
         metrics=MetricsPart(**{name: _number(getattr(grasp, name)) for name in MetricsPart.model_fields}),
-        cage=None,
+        force_closure=grasp.closure and ClosurePart(**asdict(grasp.closure)),
+        cage=grasp.cage and CagePart(**asdict(grasp.cage)),
         reach=grasp.reach and _reach(grasp.reach),
     )
 

@@ -1,0 +1,82 @@
+"""Beyond the paper: what is proved of a plan's grasps, their cages and their force closure."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from flatgrasp_cli.geometry.frames import axes_from_quaternion
+from flatgrasp_cli.model import Closure, Grasp, ObjectPlan, Rejection, Silhouette, Stage
+from flatgrasp_cli.planner.caging import Hands, certify
+from flatgrasp_cli.planner.force_closure import friction_margin, pad_quality, point_quality, reference_of
+from flatgrasp_cli.profiles.gripper import Gripper
+from flatgrasp_cli.profiles.settings import PlannerSettings
+
+
+def certified(plan: ObjectPlan, gripper: Gripper, settings: PlannerSettings, top: int) -> ObjectPlan:
+    """The plan with certificates, and the best `top` of its grasps by the settings' preference.
+
+    With `caging.require`, grasps without a cage are no grasps.
+    """
+    outline = plan.trace.silhouette
+    if not plan.grasps or outline is None or not settings.caging.certify:
+        return replace(plan, grasps=plan.grasps[:top])
+    hands = hands_of(plan.grasps, outline)
+    cages = certify(outline.loops, hands, gripper, settings.caging)
+    closures = _closures(plan.grasps, hands, outline, gripper, settings)
+    grasps = [
+        replace(grasp, cage=cage, closure=closure)
+        for grasp, cage, closure in zip(plan.grasps, cages, closures, strict=True)
+    ]
+    funnel, rejection = plan.funnel, None
+    if settings.caging.require:
+        grasps = [grasp for grasp in grasps if is_caged(grasp)]
+        funnel = (*funnel, Stage("cage", len(grasps)))
+        if not grasps:
+            rejection = Rejection("cage", f"none of the {len(cages)} best grasps is a cage: {cages[0].reason}")
+    if settings.caging.prefer == "cage":
+        grasps.sort(key=_surest_first)
+    ranked = tuple(replace(grasp, rank=k + 1) for k, grasp in enumerate(grasps[:top]))
+    return replace(plan, grasps=ranked, funnel=funnel, rejection=rejection)
+
+
+def hands_of(grasps: tuple[Grasp, ...], outline: Silhouette) -> Hands:
+    """The grasps' hands in the outline's plane."""
+    positions = np.array([grasp.position for grasp in grasps])
+    axes = np.array([axes_from_quaternion(grasp.orientation)[1] for grasp in grasps]) @ outline.frame.axes[:2].T
+    return Hands(
+        center=outline.frame.to_local(positions)[:, :2],
+        axis=axes / np.linalg.norm(axes, axis=1, keepdims=True),
+        width=np.array([grasp.width_m for grasp in grasps]),
+        opening=np.array([grasp.opening_m for grasp in grasps]),
+    )
+
+
+def is_caged(grasp: Grasp) -> bool:
+    """Whether a cage of the grasp was proved."""
+    return grasp.cage is not None and (grasp.cage.squeezing or grasp.cage.stretching)
+
+
+def _surest_first(grasp: Grasp) -> tuple[bool, float, float]:
+    """Grasps with a cage first, those before others that forgive the larger miss; then the cheaper one."""
+    forgiven = grasp.cage.tolerance.position_m if grasp.cage and grasp.cage.tolerance else 0.0
+    return (not is_caged(grasp), -forgiven, grasp.cost_m)
+
+
+def _closures(
+    grasps: tuple[Grasp, ...], hands: Hands, outline: Silhouette, gripper: Gripper, settings: PlannerSettings
+) -> list[Closure]:
+    """Force closure of pads that press along the closing axis, with the friction that the settings count on."""
+    friction = settings.balance.friction if settings.balance.friction is not None else gripper.pad_friction
+    reference = reference_of(outline.loops)
+    contacts = np.array([outline.frame.to_local(grasp.contacts)[:, :2] for grasp in grasps])
+    normals = np.stack([hands.axis, -hands.axis], axis=1)
+    width = np.full((len(grasps), 2), gripper.finger_width_m)
+    points = point_quality(contacts, normals, friction, reference)
+    pads = pad_quality(contacts, normals, width, friction, reference)
+    margins = friction_margin(np.array([grasp.required_friction for grasp in grasps]), friction)
+    return [
+        Closure(float(point), float(pad), float(margin) if np.isfinite(margin) else None)
+        for point, pad, margin in zip(points, pads, margins, strict=True)
+    ]
