@@ -5,6 +5,7 @@ Allen, Burdick & Rimon (ICRA 2012). It knows no hand: `shortcomings` says why on
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -35,10 +36,11 @@ def point_finger_grasps(outline: Silhouette, tip_m: float, settings: PlannerSett
 def cage_of(found: Immobilisation, closing: str) -> Cage:
     """The cage that comes with an immobilising grasp."""
     inward = closing == "inward"
-    names = ("opening_max_m", "basin_opening_max_m") if inward else ("opening_min_m", "basin_opening_min_m")
-    limits = dict(zip(names, (found.escape_m, found.basin_m), strict=True))
     margin = None if found.escape_m is None else abs(found.escape_m - found.width_m)
-    return Cage(inward, not inward, None, margin_m=margin, closes_into_m=found.width_m, **limits)
+    cage = Cage(inward, not inward, None, margin_m=margin, closes_into_m=found.width_m)
+    if inward:
+        return replace(cage, opening_max_m=found.escape_m, basin_opening_max_m=found.basin_m)
+    return replace(cage, opening_min_m=found.escape_m, basin_opening_min_m=found.basin_m)
 
 
 def shortcomings(outline: Silhouette, hands: Hands, gripper: Gripper, settings: PlannerSettings) -> list[str | None]:
@@ -67,10 +69,10 @@ def _shortcoming(region: Any, hands: Hands, k: int, gripper: Gripper, settings: 
             left, right = offset - 0.5 * gripper.finger_width_m, offset + 0.5 * gripper.finger_width_m
             box = _rectangle(hands, k, (left, right), (side * far, side * (far + gripper.finger_thickness_m)))
             if shapely.area(shapely.intersection(region, box)) > THIN_M * gripper.finger_width_m:
-                return f"a finger {gripper.finger_width_m:.3f} m wide and {gripper.finger_thickness_m:.3f} m thick meets the object"
-            pad = _rectangle(
-                hands, k, (left, right), (side * (far - 2 * settings.hand.contact_tolerance_m), side * far)
-            )
+                size = f"{gripper.finger_width_m:.3f} m × {gripper.finger_thickness_m:.3f} m"
+                return f"a finger of {size} meets the object"
+            near = far - 2 * settings.hand.contact_tolerance_m
+            pad = _rectangle(hands, k, (left, right), (side * near, side * far))
             if shapely.area(shapely.intersection(region, pad)) < settings.hand.variance_max_share * shapely.area(pad):
                 return "the outline is too narrow there for a pad to press on"
     return None
@@ -79,7 +81,7 @@ def _shortcoming(region: Any, hands: Hands, k: int, gripper: Gripper, settings: 
 def _rectangle(hands: Hands, k: int, x: tuple[float, float], y: tuple[float, float]) -> Any:
     import shapely
 
-    across = left_normal(hands.axis[k])
+    across = left_normal(hands.axis[k : k + 1])[0]
     corners = [(x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])]
     return shapely.Polygon([hands.center[k] + a * across + b * hands.axis[k] for a, b in corners])
 
@@ -89,7 +91,7 @@ def _grasp(k: int, found: Immobilisation, outline: Silhouette, center: FloatArra
     axis = (contacts[1] - contacts[0]) / found.width_m
     middle = contacts.mean(axis=0)
     heights = np.full((2, 1), tip_m)
-    hand_x, hand_y = left_normal(axis) @ frame.axes[:2], axis @ frame.axes[:2]
+    hand_x, hand_y = left_normal(axis[None])[0] @ frame.axes[:2], axis @ frame.axes[:2]
     return Grasp(
         rank=k + 1,
         position=frame.to_world(np.array([[*middle, tip_m]]))[0],
