@@ -54,7 +54,7 @@ class Outputs:
         self.refused = 0
         self.draws = folder is not None and plots != "none"
         if folder is not None:
-            with _writing(folder):
+            with writing(folder):
                 folder.mkdir(parents=True, exist_ok=True)
 
     def write(self, plan: Plan, stem: str, read_ms: float) -> None:
@@ -95,7 +95,7 @@ class Outputs:
             self._save(arm, folder / f"{stem}.arm.png")
         if self._plots == "stages":
             stages = folder / f"{stem}.stages"
-            with _writing(stages):
+            with writing(stages):
                 stages.mkdir(exist_ok=True)
             for name, figure in stage_figures(plan):
                 self._save(figure, stages / f"{name}.png")
@@ -103,16 +103,16 @@ class Outputs:
     def _save(self, figure: Figure, path: Path) -> None:
         from flatgrasp_cli.results.figures import save_figure
 
-        with _writing(path):
+        with writing(path):
             save_figure(figure, path)
 
     def _write_file(self, path: Path, text: str) -> None:
-        with _writing(path):
+        with writing(path):
             path.write_text(text, encoding="utf-8")
 
 
 @contextmanager
-def _writing(path: Path) -> Iterator[None]:
+def writing(path: Path) -> Iterator[None]:
     """Turn an operating-system error while writing `path` into one that says what to do."""
     try:
         yield

@@ -64,6 +64,11 @@ OPTIONS = (
     ),
     click.option("--crop", metavar="XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX", help="Region of interest in metres."),
     click.option(
+        "--prefer", type=click.Choice(["cost", "cage"]), help="Best first by cost, or by what a cage forgives."
+    ),
+    click.option("--require", type=click.Choice(["cage"]), help="Keep only grasps that cage the object."),
+    click.option("--closing", type=click.Choice(["inward", "outward"]), help="Which way the fingers close in a cage."),
+    click.option(
         "--robot",
         metavar="NAME|FILE",
         shell_complete=complete_profile("robot"),
@@ -105,7 +110,21 @@ OPTIONS = (
     ),
 )
 NAMES = (
-    *("gripper", "method", "overrides", "scene", "select", "up", "crop", "robot", "camera_pose", "base_frame"),
+    *(
+        "gripper",
+        "method",
+        "overrides",
+        "scene",
+        "select",
+        "up",
+        "crop",
+        "prefer",
+        "require",
+        "closing",
+        "robot",
+        "camera_pose",
+        "base_frame",
+    ),
     *("topic", "start", "end", "at", "every", "count", "strict", "scale", "top"),
 )
 
@@ -131,6 +150,9 @@ def _job(
     select: str | None,
     up: str | None,
     crop: str | None,
+    prefer: str | None,
+    require: str | None,
+    closing: str | None,
     robot: str | None,
     camera_pose: str | None,
     base_frame: str | None,
@@ -143,10 +165,11 @@ def _job(
     from flatgrasp_cli.profiles import load_gripper, load_settings
 
     asked = {"scene.mode": scene, "scene.select": _list(select), "scene.up": _list(up), "scene.crop": _list(crop)}
-    scene_settings = tuple(f"{key}={value}" for key, value in asked.items() if value is not None)
+    asked |= {"caging.prefer": prefer, "caging.closing": closing, "caging.require": "true" if require else None}
+    shortcuts = tuple(f"{key}={value}" for key, value in asked.items() if value is not None)
     return Job(
         load_gripper(gripper),
-        load_settings(method, (*scene_settings, *overrides)),
+        load_settings(method, (*shortcuts, *overrides)),
         mounting(robot, camera_pose, base_frame),
         _selection(**frames),
         scale,

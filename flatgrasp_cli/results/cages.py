@@ -1,0 +1,44 @@
+"""The grasps and cages of one outline as a document of schema `flatgrasp.cage/1`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.planner.allen import cage_of
+from flatgrasp_cli.planner.caging import Immobilisation
+from flatgrasp_cli.profiles.settings import CagingSettings
+
+SCHEMA_ID = "flatgrasp.cage/1"
+
+
+def cage_document(
+    source: str,
+    thing: int | None,
+    loops: Sequence[FloatArray],
+    found: Sequence[Immobilisation],
+    settings: CagingSettings,
+) -> dict[str, Any]:
+    """All grasps of two point fingers on an outline `loops` (n_l, 2), the one that forgives most first.
+
+    `thing` is the object's number in its cloud, None for a polygon. Lengths are in the outline's own unit.
+    """
+    return {
+        "schema": SCHEMA_ID,
+        "source": source,
+        "object": thing,
+        "closing": settings.closing,
+        "loops": [loop.tolist() for loop in loops],
+        "reason": None if found else "no two points of the outline hold it: it is convex, or nearly",
+        "grasps": [
+            {
+                "rank": k + 1,
+                "contacts": one.contacts.tolist(),
+                "width_m": one.width_m,
+                "cage": asdict(cage_of(one, settings.closing)),
+            }
+            for k, one in enumerate(found)
+        ],
+    }
