@@ -62,16 +62,18 @@ def _draw_cage(
     positions, samples, distance = sampled
     start = tuple(int(np.linalg.norm(samples - contact, axis=1).argmin()) for contact in best.contacts)
     contact_space.plot(positions[start[1]], positions[start[0]], "o", color=RED, label="the best grasp")
-    inside = _component(distance, start, np.inf if best.escape_m is None else best.escape_m)
+    level = np.inf
+    if best.escape_m is not None:
+        path = way_out(distance, start)
+        worst = path[distance[path[:, 0], path[:, 1]].argmax()]
+        level = float(distance[worst[0], worst[1]])  # of the samples: the exact one may lie beyond theirs
+        contact_space.plot(positions[path[:, 1]], positions[path[:, 0]], color=RED, lw=0.8)
+        contact_space.plot(positions[worst[1]], positions[worst[0]], "x", color=RED, label="where it gets away")
+    inside = _component(distance, start, level)
     contact_space.contourf(positions, positions, inside.astype(float), levels=[0.5, 1.5], colors=[GREEN], alpha=0.35)
     for axis, color, name in ((1, GREEN, "finger 1 within the cage"), (0, BLUE, "finger 2 within the cage")):
         reach = samples[inside.any(axis=axis)]
         outline.plot(reach[:, 0], reach[:, 1], ".", color=color, ms=5, alpha=0.7, label=name)
-    if best.escape_m is not None:
-        path = way_out(distance, start)
-        contact_space.plot(positions[path[:, 1]], positions[path[:, 0]], ",", color=RED)
-        worst = path[distance[path[:, 0], path[:, 1]].argmax()]
-        contact_space.plot(positions[worst[1]], positions[worst[0]], "x", color=RED, label="where it gets away")
     contact_space.legend(loc="upper left", fontsize=8)
 
 

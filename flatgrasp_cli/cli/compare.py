@@ -1,0 +1,102 @@
+"""`flatgrasp compare CLOUD…`."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from flatgrasp_cli.cli.outputs import Names, writing
+from flatgrasp_cli.cli.planning_options import planning_options
+
+if TYPE_CHECKING:
+    from flatgrasp_cli.comparison import Comparison
+    from flatgrasp_cli.job import Job
+
+SCHEMA = "flatgrasp.compare/1"
+
+
+@click.command("compare")
+@click.argument("sources", metavar="CLOUD…", nargs=-1, required=True)
+@planning_options
+@click.option("--out", "-o", type=click.Path(path_type=Path, file_okay=False), metavar="DIR", help="Draw PNGs there.")
+@click.option("--json", "as_json", is_flag=True, help="Print one document an object a line.")
+def command(sources: tuple[str, ...], job: Job, out: Path | None, as_json: bool) -> int:
+    """Compare our grasps with those of two point fingers (Allen, Burdick & Rimon 2012), as the paper's figure 21 does.
+
+    Says which of theirs the gripper cannot carry out, and why. Draws STEM.compare.png of each object with --out.
+    """
+    from flatgrasp_cli.comparison import compare
+    from flatgrasp_cli.results.document import to_json
+
+    names, rows = Names(), []
+    for source in sources:
+        stem = names.of_source(source)
+        for cloud, _ in job.clouds(source):
+            for pair in compare(job.plan(cloud)):
+                row = _row(str(cloud.source), pair)
+                rows.append(row)
+                if as_json:
+                    click.echo(to_json(row))
+                if out is not None:
+                    _draw(
+                        pair, job, out / f"{names.of_frame(stem, cloud)}.{row['object']}.compare.png", cloud.source.path
+                    )
+    if not as_json:
+        _print(rows)
+    return 0
+
+
+def _row(source: str, pair: Comparison) -> dict[str, Any]:
+    best = pair.ours.grasps[0] if pair.ours.grasps else None
+    return {
+        "schema": SCHEMA,
+        "source": source,
+        "object": pair.ours.object.id,
+        "ours": best and {"width_m": best.width_m, "caged": bool(best.cage and best.cage.reason is None)},
+        "point_fingers": [
+            {"width_m": grasp.width_m, "executable": verdict is None, "reason": verdict}
+            for grasp, verdict in zip(pair.theirs, pair.verdicts, strict=True)
+        ],
+    }
+
+
+def _print(rows: list[dict[str, Any]]) -> None:
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.table import Table
+
+    table = Table(title="Lei & Wisse 2016 and two point fingers (Allen et al. 2012)", title_justify="left")
+    for heading, side in (("source", "left"), ("object", "right"), ("our best\nmm", "right"), ("caged", "left")):
+        table.add_column(heading, justify=side)  # type: ignore[arg-type]
+    for heading in ("point fingers", "the hand can"):
+        table.add_column(heading, justify="right")
+    table.add_column("why not the first that it cannot")
+    for row in rows:
+        theirs = row["point_fingers"]
+        reason = next((each["reason"] for each in theirs if each["reason"]), "")
+        ours = row["ours"]
+        table.add_row(
+            escape(Path(row["source"]).name),
+            str(row["object"]),
+            f"{1000 * ours['width_m']:.1f}" if ours else "none",
+            {True: "yes", False: "no"}[ours["caged"]] if ours else "",
+            str(len(theirs)),
+            str(sum(each["executable"] for each in theirs)),
+            reason,
+        )
+    console = Console(width=None if sys.stdout.isatty() else 140)
+    with console.capture() as text:
+        console.print(table)
+    click.echo(text.get(), nl=False)
+
+
+def _draw(pair: Comparison, job: Job, path: Path, name: str) -> None:
+    from flatgrasp_cli.results.figures import save_figure
+    from flatgrasp_cli.results.figures.comparison import comparison_figure
+
+    with writing(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        save_figure(comparison_figure(pair.ours, pair.theirs, pair.verdicts, job.gripper, Path(name).name), path)

@@ -1,0 +1,31 @@
+"""The paper's comparison with its reference [1]: our grasps of a cloud, and those of two point fingers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from flatgrasp_cli.model import Grasp, ObjectPlan, Silhouette
+from flatgrasp_cli.planner.allen import point_finger_grasps, shortcomings
+from flatgrasp_cli.planner.certification import hands_of
+from flatgrasp_cli.planning import Plan
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Comparison:
+    """One object: our plan, the point fingers' grasps, and why our hand cannot carry each of those out, or None."""
+
+    ours: ObjectPlan
+    theirs: tuple[Grasp, ...]
+    verdicts: list[str | None]
+
+
+def compare(plan: Plan) -> list[Comparison]:
+    """Both methods' grasps on the outline of each object of a plan."""
+    return [_of_object(item, item.trace.silhouette, plan) for item in plan.objects if item.trace.silhouette is not None]
+
+
+def _of_object(item: ObjectPlan, outline: Silhouette, plan: Plan) -> Comparison:
+    found = point_finger_grasps(outline, 0.0, plan.settings)
+    if not found:
+        return Comparison(item, (), [])
+    return Comparison(item, found, shortcomings(outline, hands_of(found, outline), plan.gripper, plan.settings))
