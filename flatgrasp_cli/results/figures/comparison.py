@@ -32,7 +32,5 @@ def comparison_figure(
         right.plot(contacts[:, 0], contacts[:, 1], "o-", color=BLUE if verdict is None else GREY, lw=1.2, ms=4)
         right.annotate(str(grasp.rank), tuple(contacts[0]), fontsize=9, xytext=(3, 3), textcoords="offset points")
         words.append(f"{grasp.rank}: {verdict or 'can be carried out'}")
-    figure.supxlabel("
-".join(words[:SHOWN]), fontsize=8, x=0.52, ha="left")
+    figure.supxlabel("\n".join(words[:SHOWN]), fontsize=8, x=0.52, ha="left")
     return figure
-
