@@ -58,7 +58,7 @@ def test_pads_without_friction_turn_but_do_not_slide() -> None:
 
 
 def test_wide_pads_by_hand() -> None:
-    # contacts at (±1, 0), cones of 45°, c = √½, pad ends at y = ±1: the forces are c·(±1, ±1), their torques x·fy − y·fx.
+    # contacts at (±1, 0), cones of 45°, c = √½, pad ends at y = ±1: forces c·(±1, ±1), torques x·fy − y·fx.
     # In units of c the hull's facets lie on fx = ±1, fy = ±1 and ±(fx + fy) ± τ = 2, at 2/√3: the nearest are at 1.
     ends = np.array([[[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]]])
     wrenches = contact_wrenches(ends, np.tile(INWARD, (1, 2, 1)), 1.0, ORIGIN)[0] / np.sqrt(0.5)
