@@ -166,6 +166,28 @@ def test_a_finger_in_a_hole_never_leaves_it() -> None:
     assert (inside.bottom[0], inside.merge[0]) == pytest.approx((np.sqrt(8), 2.0), abs=EXACT)
 
 
+def test_the_certificate_of_a_finger_in_a_hole_has_no_limit() -> None:
+    loops = [CM * loop for loop in ring_and_holes()]
+    contacts = CM * np.array([[[2.0, 3.0], [2.0, 4.0]], [[2.0, 2.9], [2.0, 4.0]]])
+    hands = Hands.of_contacts(contacts, np.array([0.02, 0.0115]))
+    free, tight = certify(loops, hands, gripper(finger_thickness_m=0.002), caging_settings())
+    assert free.squeezing
+    assert free.opening_max_m is free.margin_m is free.guaranteed_opening_max_m is None
+    assert free.basin_opening_max_m == pytest.approx(np.sqrt(2) * CM)  # round the corner, to the block's left wall
+    assert (free.guaranteed, free.on_approach, free.basin_on_approach) == (True, True, False)
+    assert free.closes_into_m == pytest.approx(CM)
+    assert free.tolerance is not None
+    assert free.tolerance.position_m == pytest.approx((np.sqrt(2) - 1) / 2 * CM)
+    assert tight.tolerance is not None
+    assert tight.tolerance.position_m == pytest.approx(0.025 * CM)
+
+
+def test_fingers_that_stand_in_the_outline_forgive_nothing() -> None:
+    (cage,) = certify([CM * i_beam(flange=2.0, mouth=3.0)], beam_hand(0.8 * CM), gripper(), caging_settings())
+    assert cage.tolerance is not None
+    assert (cage.tolerance.position_m, cage.tolerance.across_m, cage.tolerance.rotation_deg) == (0.0, 0.0, 0.0)
+
+
 def spectrum(loop: FloatArray, closing: str, told_apart: float) -> FloatArray:
     grasps = immobilising_grasps([loop], caging_settings(closing=closing, told_apart_m=told_apart))
     return np.array(sorted((each.width_m, each.escape_m or 0, each.basin_m or 0) for each in grasps)).reshape(-1, 3)
