@@ -26,6 +26,14 @@ def dot(a: FloatArray, b: FloatArray) -> FloatArray:
     return np.asarray(a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1])
 
 
+def distance_to_segment(points: FloatArray, starts: FloatArray, ends: FloatArray) -> FloatArray:
+    """Distance (m,) of each of `points` to its segment `starts`→`ends`, all (m, 2)."""
+    along = ends - starts
+    squared = dot(along, along)
+    where = np.clip(dot(points - starts, along) / np.where(squared > 0, squared, 1.0), 0.0, 1.0)
+    return np.asarray(np.linalg.norm(points - starts - where[:, None] * along, axis=1))
+
+
 def left_normal(directions: FloatArray) -> FloatArray:
     """Unit normals (n, 2) to the left of `directions` (n, 2)."""
     turned = np.column_stack([-directions[:, 1], directions[:, 0]])

@@ -13,6 +13,8 @@ from flatgrasp_cli.geometry.polygon import cross, dot
 
 TANGENT = 1e-9
 """Sine below which a direction counts as along an edge."""
+MAX_CELLS = 20_000
+"""Moves × edges worked on at once: as much as stays in a processor's cache."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,11 +72,16 @@ class Boundary:
         Infinity where nothing is met. The edges `skip` (m, s) do not count: those that the points lie on. A move that
         touches a vertex and no more passes or stops there; both are right, for it can do both.
         """
-        distance, crosses = self._crossings(origin, direction)
-        distance = np.where(crosses & (distance > 0), distance, np.inf)
-        np.put_along_axis(distance, skip, np.inf, axis=1)
-        edge = distance.argmin(axis=1)
-        return np.take_along_axis(distance, edge[:, None], axis=1)[:, 0], edge
+        distance, edge = np.empty(len(origin)), np.empty(len(origin), dtype=np.intp)
+        size = max(1, MAX_CELLS // len(self))
+        for first in range(0, len(origin), size):
+            part = slice(first, first + size)
+            ahead, crosses = self._crossings(origin[part], direction[part])
+            ahead[~crosses | (ahead <= 0)] = np.inf
+            np.put_along_axis(ahead, skip[part], np.inf, axis=1)
+            edge[part] = ahead.argmin(axis=1)
+            distance[part] = np.take_along_axis(ahead, edge[part, None], axis=1)[:, 0]
+        return distance, edge
 
     def _crossings(self, origin: FloatArray, direction: FloatArray) -> tuple[FloatArray, BoolArray]:
         """Where (m, n) the lines through `origin` along unit `direction` (m, 2) meet the edges' lines, and if in them.

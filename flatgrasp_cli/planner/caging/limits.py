@@ -17,8 +17,8 @@ class Limits:
 
     `opening` is the placement's own, of fingers withdrawn to the outline where they stand in it. The fingers stay with
     the object on this side of `escape` (below for closing fingers, above for opening ones) and in this grasp's basin on
-    this side of `merge`; let go, they end at `bottom` or where a dent holds them. `caged` is whether they are at their
-    own opening, `meets` whether either finger meets anything at all.
+    this side of `merge`; going on, they end at `bottom` or where a dent stops them. `caged` is whether they are at
+    their own opening, `meets` whether either finger meets anything at all.
     """
 
     opening: FloatArray

@@ -74,17 +74,18 @@ def basins(land: Landscape) -> Basins:
     count, label = connected_components(graph, directed=False)
     bottom = np.full(count, np.inf)
     np.minimum.at(bottom, label, birth)
-    return Basins(label[node], bottom, _between(label[neighbours[:2]], label, levels[:2], count))
+    ends = np.broadcast_to(label, (2, len(label)))
+    return Basins(label[node], bottom, _lowest(label[neighbours[:2]], ends, levels[:2], count))
 
 
-def _between(reached: IntArray, label: IntArray, levels: FloatArray, count: int) -> Links:
-    """The lowest link between each two different basins."""
-    a, b = np.minimum(reached, label), np.maximum(reached, label)
+def _lowest(a: IntArray, b: IntArray, level: FloatArray, count: int) -> Links:
+    """Of many links the lowest between each two different ones of `count` basins, in ascending order."""
     differ = a != b
-    key, level = (a * np.intp(count) + b)[differ], levels[differ]
+    a, b, level = a[differ], b[differ], level[differ]
     order = np.argsort(level)
-    key, first = np.unique(key[order], return_index=True)
-    return key // count, key % count, level[order][first]
+    key = np.minimum(a, b)[order] * np.intp(count) + np.maximum(a, b)[order]
+    first = np.sort(np.unique(key, return_index=True)[1])
+    return key[first] // count, key[first] % count, level[order][first]
 
 
 def merge_levels(lowest: FloatArray, links: Iterable[Links], told_apart: float) -> MergeLevels:
@@ -94,12 +95,27 @@ def merge_levels(lowest: FloatArray, links: Iterable[Links], told_apart: float) 
     its neighbour's floor.
     """
     a, b, level = (np.concatenate(column) for column in zip(*links, strict=True))
-    order = np.argsort(level, kind="stable")
+    count = len(lowest) + 1  # ESCAPE is the last
+    a, b, level = _tree(*_lowest(a % count, b % count, level, count), count)
     flood = _Flood(lowest, told_apart)
-    for x, y, at in zip(a[order].tolist(), b[order].tolist(), level[order].tolist(), strict=True):
+    for x, y, at in zip(a.tolist(), b.tolist(), level.tolist(), strict=True):
         flood.join(x, y, at)
     flood.end()
     return MergeLevels(np.array(flood.escape), np.array(flood.merge), np.array(flood.ends_in))
+
+
+def _tree(a: IntArray, b: IntArray, level: FloatArray, count: int) -> Links:
+    """Of links in ascending order those that join what no lower one has joined.
+
+    Places in that order serve as weights: distinct, and never the 0 that a sparse matrix would drop.
+    """
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import minimum_spanning_tree
+
+    weights = np.arange(1.0, len(level) + 1)
+    tree = minimum_spanning_tree(coo_matrix((weights, (a, b)), shape=(count, count)))
+    kept = np.sort(tree.data).astype(np.intp) - 1
+    return a[kept], b[kept], level[kept]
 
 
 class _Flood:
@@ -108,7 +124,7 @@ class _Flood:
     def __init__(self, lowest: FloatArray, told_apart: float) -> None:
         count = len(lowest)
         self.told_apart = told_apart
-        self.parent = list(range(count + 1))  # ESCAPE is the last
+        self.parent = list(range(count + 1))
         self.low = [*lowest.tolist(), -np.inf]
         self.dry = [[k] for k in range(count)] + [[]]  # those of a pool that have not escaped
         self.open = [[k] for k in range(count)] + [[]]  # those that have not met another basin
@@ -117,11 +133,8 @@ class _Flood:
         self.ends_in = list(range(count))
 
     def join(self, a: int, b: int, level: float) -> None:
-        """Let the pools of basins `a` and `b` become one at `level`, unless they are."""
-        out = self._root(ESCAPE % len(self.parent))
-        x, y = self._root(a % len(self.parent)), self._root(b % len(self.parent))
-        if x == y:
-            return
+        """Let the pools of basins `a` and `b`, not yet joined, become one at `level`."""
+        out, x, y = self._root(len(self.parent) - 1), self._root(a), self._root(b)
         if y == out or (x != out and len(self.dry[x]) < len(self.dry[y])):
             x, y = y, x  # x swallows y
         if x == out:

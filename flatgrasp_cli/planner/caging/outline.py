@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.polygon import distance_to_segment
 from flatgrasp_cli.planner.caging.boundary import Boundary
 from flatgrasp_cli.profiles.settings import CagingSettings
 
@@ -41,7 +42,8 @@ def prepare(loops: Sequence[FloatArray], settings: CagingSettings) -> Outline | 
     if not region.is_valid or region.area == 0:
         return None
     plain, tolerance = _simplified(region, settings)
-    small = plain.buffer(-(settings.noise_m + tolerance), join_style="mitre", mitre_limit=MITRE)
+    with np.errstate(all="ignore"):  # GEOS divides by zero on the way, and numpy would warn of it
+        small = plain.buffer(-(settings.noise_m + tolerance), join_style="mitre", mitre_limit=MITRE)
     small = max(shapely.get_parts(small), key=lambda part: part.area, default=None)  # of a rigid body, one is enough
     hull = plain.convex_hull.area
     return Outline(
@@ -53,7 +55,7 @@ def prepare(loops: Sequence[FloatArray], settings: CagingSettings) -> Outline | 
 
 
 def _simplified(region: Any, settings: CagingSettings) -> tuple[Any, float]:
-    """The region simplified within the tolerance, or the next coarser one that leaves few enough vertices; and that."""
+    """The region simplified within the tolerance, or coarser, to leave few enough vertices; and how far it strays."""
     import shapely
 
     tolerance = settings.tolerance_m
@@ -62,7 +64,22 @@ def _simplified(region: Any, settings: CagingSettings) -> tuple[Any, float]:
     while shapely.get_num_coordinates(plain) > most:
         tolerance = max(COARSER * tolerance, FINEST_M)
         plain = shapely.simplify(region, tolerance)
-    return plain, tolerance
+    return plain, max(map(_stray, (region.exterior, *region.interiors), (plain.exterior, *plain.interiors)))
+
+
+def _stray(ring: Any, plain: Any) -> float:
+    """How far the vertices of a ring lie from the edges that simplifying put in their place.
+
+    Not the tolerance itself, for it does not bind where a ring begins. No point of the region farther than that from
+    the simplified boundary has changed sides.
+    """
+    import shapely
+
+    whole, few = (shapely.get_coordinates(each)[:-1] for each in (ring, plain))
+    place = {vertex: k for k, vertex in enumerate(map(tuple, whole.tolist()))}
+    kept = np.sort([place[vertex] for vertex in map(tuple, few.tolist())])
+    edge = np.searchsorted(kept, np.arange(len(whole)), side="right") - 1  # −1 is the last one, which wraps around
+    return float(distance_to_segment(whole, whole[kept[edge]], whole[np.roll(kept, -1)[edge]]).max())
 
 
 def boundary_of(region: Any) -> Boundary:

@@ -11,7 +11,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
+from flatgrasp_cli.geometry.arrays import IntArray
+from flatgrasp_cli.geometry.polygon import distance_to_segment
 from flatgrasp_cli.planner.caging.boundary import Boundary
 from flatgrasp_cli.planner.caging.contact_space import Caging, Contacts
 from flatgrasp_cli.planner.caging.merge_tree import ESCAPE, Landscape, Links, basins, merge_levels
@@ -44,16 +45,8 @@ def _opening_tunnels(boundary: Boundary, vertex: IntArray, other: IntArray, basi
     parts = [(here[free], np.full(int(free.sum()), ESCAPE), -sigma[free])]
     landed = start[vertex] + np.where(free, 0.0, way)[:, None] * outward
     for end in (hit, follow[hit]):
-        nearest = _distance_to_segment(start[other], landed, start[end])
+        nearest = distance_to_segment(start[other], landed, start[end])
         level = -np.minimum(sigma, nearest)
         parts.append((here[~free], basin[end, other][~free], level[~free]))
     a, b, level = (np.concatenate(column) for column in zip(*parts, strict=True))
     return a, b, level
-
-
-def _distance_to_segment(points: FloatArray, starts: FloatArray, ends: FloatArray) -> FloatArray:
-    """Distance (m,) of points to segments, all (m, 2)."""
-    along = ends - starts
-    squared = (along**2).sum(axis=1)
-    where = ((points - starts) * along).sum(axis=1) / np.where(squared > 0, squared, 1.0)
-    return np.asarray(np.linalg.norm(points - starts - np.clip(where, 0.0, 1.0)[:, None] * along, axis=1))

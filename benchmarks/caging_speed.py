@@ -1,0 +1,70 @@
+"""How fast is caging? Milliseconds for ten grasps of an outline, and for all immobilising grasps that it has.
+
+    python benchmarks/caging_speed.py [--gripper robotiq_2f_85] [--repeat 15]
+
+The outlines are lobed and as rough as a sensor's; machines are noisy, so medians are printed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Callable
+from functools import partial
+from statistics import median
+
+import numpy as np
+
+from flatgrasp_cli import load_gripper
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.planner.caging import Hands, certify, immobilising_grasps
+from flatgrasp_cli.profiles.settings import CagingSettings
+
+GRASPS, PRESHAPE_M = 10, 0.01
+SETTINGS = CagingSettings(closing="inward", tolerance_m=0.0, max_vertices=300, noise_m=0.0015, told_apart_m=0.003)
+
+
+def rough_outline(corners: int, seed: int) -> FloatArray:
+    """A loop (corners, 2) about 12 cm across, its vertices displaced by a millimetre."""
+    angles = np.linspace(0, 2 * np.pi, corners, endpoint=False)
+    noise = np.random.default_rng(seed).normal(0, 0.001, corners)
+    radius = 0.05 * (1 + 0.3 * np.cos(3 * angles) + 0.15 * np.cos(5 * angles + 1)) + noise
+    return np.column_stack([np.cos(angles), np.sin(angles)]) * radius[:, None]
+
+
+def milliseconds(function: Callable[[], object], repeat: int) -> float:
+    """Median wall time of a call, after one to warm up."""
+    function()
+    times = []
+    for _ in range(repeat):
+        began = time.perf_counter()
+        function()
+        times.append(1e3 * (time.perf_counter() - began))
+    return median(times)
+
+
+def main() -> None:
+    """Run the benchmark."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--gripper", default="robotiq_2f_85")
+    parser.add_argument("--repeat", type=int, default=15)
+    args = parser.parse_args()
+    gripper = load_gripper(args.gripper)
+    outward = SETTINGS.model_copy(update={"closing": "outward"})
+    print(f"{'vertices':>8} {'certify':>8} {'outward':>8} {'all grasps':>10}  ms")
+    for corners in (60, 120, 300):
+        loops = [rough_outline(corners, 0)]
+        found = immobilising_grasps(loops, SETTINGS)
+        contacts = np.stack([found[k % len(found)].contacts for k in range(GRASPS)])
+        width = np.linalg.norm(contacts[:, 1] - contacts[:, 0], axis=1)
+        hands = Hands.of_contacts(contacts, width + PRESHAPE_M)
+        figures = [
+            milliseconds(partial(certify, loops, hands, gripper, settings), args.repeat)
+            for settings in (SETTINGS, outward)
+        ]
+        figures.append(milliseconds(partial(immobilising_grasps, loops, SETTINGS), args.repeat))
+        print(f"{corners:8} {figures[0]:8.1f} {figures[1]:8.1f} {figures[2]:10.1f}")
+
+
+if __name__ == "__main__":
+    main()
