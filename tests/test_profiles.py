@@ -27,7 +27,7 @@ def test_all_that_the_readme_promises_ship() -> None:
         "xarm_gripper",
     ]
     assert list_profiles("robot") == ["ur10", "ur10e", "ur3", "ur3e", "ur5", "ur5e"]
-    assert list_profiles("planner") == ["default", "paper"]
+    assert list_profiles("planner") == ["allen", "default", "paper"]
 
 
 @pytest.mark.parametrize("kind", ["gripper", "robot", "planner"])

@@ -54,8 +54,8 @@ def hands_of(grasps: tuple[Grasp, ...], outline: Silhouette) -> Hands:
 
 
 def is_caged(grasp: Grasp) -> bool:
-    """Whether a cage of the grasp was proved."""
-    return grasp.cage is not None and (grasp.cage.squeezing or grasp.cage.stretching)
+    """Whether the grasp is a cage even if the outline errs: a margin within its noise is no proof."""
+    return grasp.cage is not None and grasp.cage.guaranteed
 
 
 def _surest_first(grasp: Grasp) -> tuple[bool, float, float]:
