@@ -18,10 +18,10 @@ import numpy as np
 from flatgrasp_cli import load_gripper
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.planner.caging import Hands, certify, immobilising_grasps
-from flatgrasp_cli.profiles.settings import CagingSettings
+from flatgrasp_cli.profiles import load_settings
 
 GRASPS, PRESHAPE_M = 10, 0.01
-SETTINGS = CagingSettings(closing="inward", tolerance_m=0.0, max_vertices=300, noise_m=0.0015, told_apart_m=0.003)
+SETTINGS = load_settings().caging.model_copy(update={"tolerance_m": 0.0, "max_vertices": 300})
 
 
 def rough_outline(corners: int, seed: int) -> FloatArray:
