@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from flatgrasp_cli.geometry.frames import axes_from_quaternion
-from flatgrasp_cli.model import Closure, Grasp, ObjectPlan, Rejection, Silhouette, Stage
+from flatgrasp_cli.model import Cage, Closure, Grasp, ObjectPlan, Rejection, Silhouette, Stage
 from flatgrasp_cli.planner.caging import Hands, certify
 from flatgrasp_cli.planner.force_closure import friction_margin, pad_quality, point_quality, reference_of
 from flatgrasp_cli.profiles.gripper import Gripper
@@ -24,10 +24,14 @@ def certified(plan: ObjectPlan, gripper: Gripper, settings: PlannerSettings, top
         return replace(plan, grasps=plan.grasps[:top])
     hands = hands_of(plan.grasps, outline)
     cages = certify(outline.loops, hands, gripper, settings.caging)
+    openings = np.array([_preshape(grasp, cage) for grasp, cage in zip(plan.grasps, cages, strict=True)])
+    if (openings < hands.opening).any():
+        hands = replace(hands, opening=openings)
+        cages = certify(outline.loops, hands, gripper, settings.caging)
     closures = _closures(plan.grasps, hands, outline, gripper, settings)
     grasps = [
-        replace(grasp, cage=cage, closure=closure)
-        for grasp, cage, closure in zip(plan.grasps, cages, closures, strict=True)
+        replace(grasp, cage=cage, closure=closure, opening_m=float(opening))
+        for grasp, cage, closure, opening in zip(plan.grasps, cages, closures, openings, strict=True)
     ]
     funnel, rejection = plan.funnel, None
     if settings.caging.require:
@@ -56,6 +60,13 @@ def hands_of(grasps: tuple[Grasp, ...], outline: Silhouette) -> Hands:
 def is_caged(grasp: Grasp) -> bool:
     """Whether the grasp is a cage even if the outline errs: a margin within its noise is no proof."""
     return grasp.cage is not None and grasp.cage.guaranteed
+
+
+def _preshape(grasp: Grasp, cage: Cage) -> float:
+    """The opening to come with: no more than that from which closing surely ends in this grasp, where one is known."""
+    if not cage.guaranteed or cage.basin_opening_max_m is None:
+        return grasp.opening_m
+    return min(grasp.opening_m, max(cage.basin_opening_max_m, grasp.width_m))
 
 
 def _surest_first(grasp: Grasp) -> tuple[bool, float, float]:
