@@ -12,6 +12,7 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.frames import Frame
+from flatgrasp_cli.geometry.height_map import HeightMap
 
 T = TypeVar("T", "FingerCandidates", "GraspCandidates")
 
@@ -60,12 +61,30 @@ class SupportPlane:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Floor:
+    """What was seen of a support plane with nothing on it: cells of its own `frame`, whose z axis is the normal.
+
+    `levels` holds the height over the plane around each such cell, −inf in all others. Cells serve all objects alike
+    and are far fewer than the plane's points.
+    """
+
+    frame: Frame
+    levels: HeightMap
+
+    @property
+    def points(self) -> FloatArray:
+        """The middles (k, 3) of the cells, in the world."""
+        row, column = np.nonzero(np.isfinite(self.levels.heights))
+        middle = self.levels.origin + self.levels.cell_m * (np.column_stack([row, column]) + 0.5)
+        return self.frame.to_world(np.column_stack([middle, self.levels.heights[row, column]]))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class ObjectCloud:
     """The points (n, 3) of one object, seen from `viewpoint` (3,).
 
-    `support` is the plane it stands on, None when it was seen alone. Near it lie other points above the plane,
-    `obstacles` (m, 3), for fingers and palm to keep clear of, and points of the plane, `free` (k, 3): nothing stands
-    on those.
+    `support` is the plane it stands on, None when it was seen alone, and `floor` what was seen of that. Near it lie
+    other points above the plane, `obstacles` (m, 3), for fingers and palm to keep clear of.
     """
 
     id: int
@@ -73,7 +92,7 @@ class ObjectCloud:
     viewpoint: FloatArray
     support: SupportPlane | None = None
     obstacles: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
-    free: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
+    floor: Floor | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

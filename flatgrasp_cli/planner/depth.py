@@ -13,10 +13,10 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 from flatgrasp_cli.geometry.polygon import left_normal
-from flatgrasp_cli.geometry.range_image import RangeImage
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates
 from flatgrasp_cli.planner.funnel import Funnel
 from flatgrasp_cli.planner.hand import Fit, centers, openings
+from flatgrasp_cli.planner.view import View
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import HandSettings, PlannerSettings
 
@@ -51,7 +51,7 @@ class Terrain:
     rest: HeightMap
     fine: HeightMap
     whole: HeightMap
-    view: RangeImage
+    view: View
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -74,11 +74,12 @@ def hidden_share(fingers: FingerCandidates, terrain: Terrain) -> FloatArray:
     along = fingers.end - fingers.start
     places = fingers.contact[:, None, :] + ACROSS[:, None] * along[:, None, :]
     outward = places[:, None] - np.array(OUTWARD_M)[:, None, None] * fingers.direction[:, None, None, :]
-    hidden = [
-        terrain.view.hides(np.concatenate([outward, np.full((*outward.shape[:-1], 1), height)], axis=-1), BEHIND_M)
-        for height in terrain.level_m + np.array(HEIGHTS_M)
-    ]
-    return np.asarray(np.mean(hidden, axis=(0, 2, 3)))
+    levels = terrain.level_m + np.array(HEIGHTS_M)
+    points = np.empty((len(fingers), len(levels), outward.shape[1] * outward.shape[2], 3))
+    points[..., :2] = outward.reshape(len(fingers), 1, -1, 2)
+    points[..., 2] = levels[:, None]
+    hidden = terrain.view.hides(points.reshape(-1, 3), BEHIND_M)
+    return hidden.reshape(len(fingers), -1).mean(axis=1)
 
 
 def hidden_extent(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.alpha_shape import CellGrid, alpha_region
@@ -13,6 +14,8 @@ from flatgrasp_cli.model import Silhouette
 from flatgrasp_cli.profiles.settings import SilhouetteSettings
 
 NEIGHBOURS = 6
+KD_TREE = 4
+"""FLANN's name for an exact search in one tree."""
 SPACING_QUANTILE = 0.95
 SPACING_SAMPLES = 300
 MIN_ALPHA_M = 0.003
@@ -28,25 +31,23 @@ def silhouette(points: FloatArray, frame: Frame, settings: SilhouetteSettings) -
     local = frame.to_local(points)
     projected, heights = np.ascontiguousarray(local[:, :2]), local[:, 2]
     alpha_m = settings.alpha_m or max(MIN_ALPHA_M, 2 * spacing(projected))
-    grid, member = _one_piece(projected, alpha_m, settings.min_coverage)
-    region = alpha_region(grid, member)
+    alpha_m, member = _one_piece(projected, alpha_m, settings.min_coverage)
+    region = alpha_region(projected[member], alpha_m)
     loops = _loops(region, settings) if region is not None else ()
-    return Silhouette(frame, loops, projected, heights, grid.alpha_m, float(member.mean()))
+    return Silhouette(frame, loops, projected, heights, alpha_m, float(member.mean()))
 
 
 def spacing(points: FloatArray) -> float:
     """Distance within which 95 % of `points` (n, 2) have six neighbours, from an even sample of them."""
-    from scipy.spatial import KDTree
-
     sample = points[:: max(1, len(points) // SPACING_SAMPLES)]
     reach = min(NEIGHBOURS + 1, len(points))  # a point is its own nearest neighbour
-    tree = KDTree(points, leafsize=32, balanced_tree=False, compact_nodes=False)  # quick to build: queries are few
-    distances, _ = tree.query(sample, k=[reach])
-    return float(np.quantile(distances, SPACING_QUANTILE))
+    tree = cv2.flann.Index(points.astype(np.float32), {"algorithm": KD_TREE, "leaf_max_size": 16})
+    _, squares = tree.knnSearch(np.ascontiguousarray(sample, dtype=np.float32), reach, params={})
+    return float(np.sqrt(np.quantile(squares[:, -1], SPACING_QUANTILE)))
 
 
-def _one_piece(points: FloatArray, alpha_m: float, min_share: float) -> tuple[CellGrid, BoolArray]:
-    """The points sorted by an α, no smaller than asked, whose largest piece holds `min_share`; and that piece."""
+def _one_piece(points: FloatArray, alpha_m: float, min_share: float) -> tuple[float, BoolArray]:
+    """An α, no smaller than asked, with which the largest piece of the points holds `min_share`; and that piece."""
     while True:
         try:
             grid = CellGrid(points, alpha_m)
@@ -55,7 +56,7 @@ def _one_piece(points: FloatArray, alpha_m: float, min_share: float) -> tuple[Ce
             continue
         member, share = grid.largest_piece()
         if share >= min_share:
-            return grid, member
+            return alpha_m, member
         alpha_m *= ALPHA_GROWTH
 
 

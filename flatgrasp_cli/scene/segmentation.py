@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
+from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import Cloud, ObjectCloud, Scene, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.clusters import Clusters, find_clusters
@@ -64,12 +64,9 @@ def _object(index: int, cloud: Cloud, plane: SupportPlane, clusters: Clusters) -
     viewpoint = cloud.viewpoint
     if not looks_down(viewpoint, plane.normal, plane.offset_m):
         viewpoint = points.mean(axis=0) + OVERHEAD_M * plane.normal
-    low, high = points.min(axis=0) - NEAR_M, points.max(axis=0) + NEAR_M
-    others = [clusters.clutter, *(rows for k, rows in enumerate(clusters.members) if k != index)]
-
-    def near(rows: IntArray) -> FloatArray:
-        candidates: FloatArray = cloud.points[rows]
-        close: FloatArray = candidates[((candidates > low) & (candidates < high)).all(axis=1)]
-        return close
-
-    return ObjectCloud(index, points, viewpoint, plane, near(np.concatenate(others)), near(clusters.table))
+    columns = points.T
+    low, high = columns.min(axis=1) - NEAR_M, columns.max(axis=1) + NEAR_M
+    others = np.concatenate([clusters.clutter, *(rows for k, rows in enumerate(clusters.members) if k != index)])
+    x, y, z = cloud.points[others].T
+    near = (x > low[0]) & (x < high[0]) & (y > low[1]) & (y < high[1]) & (z > low[2]) & (z < high[2])
+    return ObjectCloud(index, points, viewpoint, plane, cloud.points[others[near]], clusters.floor)
