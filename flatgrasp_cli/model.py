@@ -12,7 +12,7 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.frames import Frame
-from flatgrasp_cli.geometry.height_map import HeightMap
+from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 
 T = TypeVar("T", "FingerCandidates", "GraspCandidates")
 
@@ -74,9 +74,7 @@ class Floor:
     @property
     def points(self) -> FloatArray:
         """The middles (k, 3) of the cells, in the world."""
-        row, column = np.nonzero(np.isfinite(self.levels.heights))
-        middle = self.levels.origin + self.levels.cell_m * (np.column_stack([row, column]) + 0.5)
-        return self.frame.to_world(np.column_stack([middle, self.levels.heights[row, column]]))
+        return self.frame.to_world(self.levels.higher_than(UNSEEN))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -77,6 +77,12 @@ class HeightMap:
         """The same for points given by columns x and y (…)."""
         return np.asarray(self.heights.ravel()[self._cells(x, y)])
 
+    def higher_than(self, height: float) -> FloatArray:
+        """Middles and heights (k, 3) of the cells higher than `height`."""
+        row, column = np.nonzero(self.heights > height)
+        middle = self.origin + self.cell_m * (np.column_stack([row, column]) + 0.5)
+        return np.column_stack([middle, self.heights[row, column]])
+
     def cells_of(self, points: FloatArray) -> IntArray:
         """Flat indices (…) of the cells that hold `points` (…, 2 or more); those outside belong to the empty rim."""
         return self._cells(points[..., 0], points[..., 1])

@@ -12,13 +12,13 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
-from flatgrasp_cli.geometry.polygon import left_normal
+from flatgrasp_cli.geometry.polygon import dot, left_normal
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates
 from flatgrasp_cli.planner.funnel import Funnel
 from flatgrasp_cli.planner.hand import Fit, centers, openings
 from flatgrasp_cli.planner.view import View
 from flatgrasp_cli.profiles.gripper import Gripper
-from flatgrasp_cli.profiles.settings import HandSettings, PlannerSettings
+from flatgrasp_cli.profiles.settings import DepthSettings, HandSettings, PlannerSettings
 
 PALM_CELL_M = 0.005
 WALL_INWARD_M = (0.001, 0.002, 0.003, 0.004, 0.005)
@@ -29,6 +29,8 @@ ALONG_PAD = (-0.4, -0.2, 0.0, 0.2, 0.4)
 AT_CONTACT_M = 0.005
 """So near to the pad what is seen may be the object that it rests on."""
 MARGINS = 4
+MAX_PAIRS = 200_000
+"""Hands × cells worked on at once: as much as stays in a processor's cache."""
 LOWER_M = 0.001
 """A smaller opening must let the fingertips down by more than this to be chosen."""
 
@@ -124,10 +126,11 @@ def land(
     depth = settings.depth
     margins = _margins(fit, gripper, settings)
     below, unseen = _under_fingers(fingers, pairs, fit, margins, (terrain, gripper, settings.hand.clearance_m))
-    palm = _under_palm(centers(fingers, pairs, fit), pairs.axis, terrain, gripper)
-    tips = np.where(below > terrain.ground_m, below + depth.obstacle_clearance_m, terrain.lowest_m)
-    tips = np.maximum(tips, palm + depth.palm_clearance_m - gripper.finger_length_m)
-    tips = np.maximum(tips, max(terrain.lowest_m, terrain.level_m - depth.slice_step_m))  # deeper is a lower slice's
+    deepest = deepest_tip(terrain, depth)
+    headroom = gripper.finger_length_m - depth.palm_clearance_m
+    palm = _under_palm(centers(fingers, pairs, fit), pairs.axis, terrain.whole, deepest + headroom, gripper)
+    tips = np.where(below > terrain.ground_m, below + depth.obstacle_clearance_m, deepest)
+    tips = np.maximum(tips, np.maximum(palm - headroom, deepest))
     choice = np.argmax(tips <= tips.min(axis=0) + LOWER_M, axis=0)  # widest of those that let the tips down
     columns = np.arange(len(pairs))
     tops = wall_tops(fingers, terrain)
@@ -148,6 +151,11 @@ def land(
         )
         kept = kept[plain]
     return pairs.select(kept), fit.select(kept), landing.select(kept)
+
+
+def deepest_tip(terrain: Terrain, settings: DepthSettings) -> float:
+    """How low fingertips may go for a slice, over the plane: deeper is a lower slice's."""
+    return max(terrain.lowest_m, terrain.level_m - settings.slice_step_m)
 
 
 def _margins(fit: Fit, gripper: Gripper, settings: PlannerSettings) -> FloatArray:
@@ -191,15 +199,26 @@ def _under_fingers(
     return highest, hidden
 
 
-def _under_palm(middle: FloatArray, axis: FloatArray, terrain: Terrain, gripper: Gripper) -> FloatArray:
-    """Highest point (p,) below the palm."""
-    if float(terrain.whole.heights.max()) <= terrain.lowest_m + gripper.finger_length_m - PALM_CELL_M:
-        return np.full(len(middle), UNSEEN)  # fingers longer than anything here is high
-    across = left_normal(axis)
+def _under_palm(
+    middle: FloatArray, axis: FloatArray, chart: HeightMap, least_m: float, gripper: Gripper
+) -> FloatArray:
+    """Highest point (p,) below the palm where that is higher than `least_m`: what is lower is not in its way."""
     highest = np.full(len(middle), UNSEEN)
-    for y in _steps(gripper.palm_m, terrain.whole.cell_m):
-        for x in _steps(gripper.hand_width_m, terrain.whole.cell_m):
-            highest = np.maximum(highest, terrain.whole.at(middle + x * across + y * axis))
+    reach = 0.5 * np.array([gripper.hand_width_m, gripper.palm_m]) + 0.5 * chart.cell_m
+    tall = chart.higher_than(least_m)
+    x, y, _ = tall.T
+    (left, low), (right, high) = middle.min(axis=0) - reach.sum(), middle.max(axis=0) + reach.sum()
+    tall = tall[(x > left) & (x < right) & (y > low) & (y < high)]
+    tall = tall[np.argsort(-tall[:, 2], kind="stable")]
+    if len(tall) == 0:
+        return highest  # fingers longer than anything here is high
+    across = left_normal(axis)
+    for first in range(0, len(middle), size := max(1, MAX_PAIRS // len(tall))):
+        part = slice(first, first + size)
+        x = across[part] @ tall[:, :2].T - dot(across[part], middle[part])[:, None]
+        y = axis[part] @ tall[:, :2].T - dot(axis[part], middle[part])[:, None]
+        inside = (np.abs(x) <= reach[0]) & (np.abs(y) <= reach[1])
+        highest[part] = np.where(inside.any(axis=1), tall[inside.argmax(axis=1), 2], UNSEEN)
     return highest
 
 

@@ -20,7 +20,7 @@ from flatgrasp_cli.model import (
     Trace,
 )
 from flatgrasp_cli.planner.balance import force_balance, force_balanced, torque_balanced
-from flatgrasp_cli.planner.depth import Landing, at_mid_height, land, upright
+from flatgrasp_cli.planner.depth import Landing, at_mid_height, deepest_tip, land, upright
 from flatgrasp_cli.planner.fingers import finger_candidates, inward_directions, step_points
 from flatgrasp_cli.planner.funnel import Funnel, NothingLeft
 from flatgrasp_cli.planner.gravity import RankingCost, best_first, landing_cost, ranking_cost
@@ -47,9 +47,28 @@ def plan_object(cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings,
     parts = (
         [Part(box, box.frame, cloud.points)] if cloud.support is None else sliced(cloud, box, cloud.support, settings)
     )
-    best = min((_plan_part(cloud, part, gripper, settings, top) for part in parts), key=_least_cost)
+    best = _best_part(cloud, parts, gripper, settings, top)
     side = standing(cloud, box, settings) if cloud.support is not None and not best.grasps else None
     return best if side is None else min(best, _plan_part(cloud, side, gripper, settings, top), key=_least_cost)
+
+
+def _best_part(
+    cloud: ObjectCloud, parts: list[Part], gripper: Gripper, settings: PlannerSettings, top: int
+) -> ObjectPlan:
+    """The plan of the part with the best grasp.
+
+    No term of the cost is negative and one grows with the fingertips' height, so a part that stands high need not be
+    planned once a lower one has a grasp that costs less than its height alone.
+    """
+    best: ObjectPlan | None = None
+    for part in parts:
+        height_m = deepest_tip(part.terrain, settings.depth) if part.terrain else 0.0
+        if best is not None and settings.gravity.level_weight * height_m > _least_cost(best)[0]:
+            continue
+        plan = _plan_part(cloud, part, gripper, settings, top)
+        best = plan if best is None else min(best, plan, key=_least_cost)
+    assert best is not None, "an object has at least one part"
+    return best
 
 
 def _least_cost(plan: ObjectPlan) -> tuple[float, int]:
