@@ -17,7 +17,7 @@ from flatgrasp_cli.model import Cloud, ObjectCloud, Scene, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene import segment
 from flatgrasp_cli.scene.clusters import plane_frame
-from flatgrasp_cli.scene.raster import fitting_cell_m, rasterise, smoothed
+from flatgrasp_cli.scene.raster import Grid, Raster, fitting_cell_m, smoothed
 from flatgrasp_cli.scene.support_plane import find_support_plane, looks_down
 from tests.conftest import FLOOR, MM, TABLE, WALL, Box, Camera, Tube
 
@@ -342,8 +342,9 @@ class TestWanted:
 class TestRaster:
     def test_cells_average_what_falls_into_them(self) -> None:
         points = np.array([[0.0, 0.0], [0.004, 0.004], [0.012, 0.0], [0.0, 0.025]])
-        raster = rasterise(*points.T, None, 0.01)
-        assert raster.shape == (4, 5)  # two by three cells, and a rim
+        grid = Grid.over(points.min(axis=0), points.max(axis=0), 0.01)
+        raster = Raster.of(grid, grid.cells(*points.T))
+        assert raster.count.shape == (4, 5)  # two by three cells, and a rim
         assert raster.count.sum() == 4
         means = raster.mean(np.array([1.0, 3.0, 5.0, 7.0]))
         assert (means[1, 1], means[2, 1], means[1, 3]) == (2.0, 5.0, 7.0)
@@ -351,7 +352,7 @@ class TestRaster:
 
     def test_cells_hold_a_few_points_each(self) -> None:
         points = np.random.default_rng(0).uniform(0, 0.4, (40_000, 2))  # 25 points in a square centimetre
-        assert fitting_cell_m(*points.T, np.ones(len(points), dtype=np.bool_)) == pytest.approx(0.004, rel=0.05)
+        assert fitting_cell_m(*points.T) == pytest.approx(0.004, rel=0.05)
 
     def test_means_are_weighted(self) -> None:
         values, weights = np.array([[0.0, 2.0, 8.0, 0.0, 0.0]]), np.array([[0, 3, 1, 0, 0]])

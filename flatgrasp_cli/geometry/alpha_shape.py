@@ -13,12 +13,12 @@ import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
-from flatgrasp_cli.geometry.polygon import cross, signed_area
+from flatgrasp_cli.geometry.polygon import cross, following, signed_area
 
 MAX_CELLS = 4_000_000
 CELLS_PER_ALPHA = np.sqrt(2)
 """A disc of radius α, wherever it lies, holds a whole cell of side α/√2: the one around its centre."""
-PIXELS_PER_ALPHA, MAX_PIXELS = 10.0, 160_000
+PIXELS_PER_ALPHA, MAX_PIXELS = 8.0, 100_000
 """Resolution of the distance transform. A point that the disc would touch on less than a pixel's way may be missed."""
 FILLINGS = 3
 
@@ -68,7 +68,9 @@ def alpha_region(points: FloatArray, alpha_m: float) -> Any:
 
     rings, outer = _rolled_around(points, alpha_m)
     largest = max(range(len(rings)), key=lambda k: abs(signed_area(rings[k])) if outer[k] < 0 else -1.0)
-    holes = [_filled(_turning(ring, -1.0), alpha_m) for ring, shell in zip(rings, outer, strict=True) if shell == largest]
+    holes = [
+        _filled(_turning(ring, -1.0), alpha_m) for ring, shell in zip(rings, outer, strict=True) if shell == largest
+    ]
     shell = _filled(_turning(rings[largest], 1.0), alpha_m)
     if len(shell) < 3:
         return None
@@ -113,7 +115,7 @@ def _filled(ring: FloatArray, alpha_m: float) -> FloatArray:
     is at most α·(1 − √3/2) deep.
     """
     for _ in range(FILLINGS):
-        before, after = np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0)
+        before, after = np.concatenate([ring[-1:], ring[:-1]]), following(ring)
         apart = after - before
         notch = (cross(ring - before, after - ring) < 0) & (np.hypot(apart[:, 0], apart[:, 1]) <= alpha_m)
         notch[1:] &= ~notch[:-1]  # never two neighbours at once

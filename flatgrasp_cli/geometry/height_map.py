@@ -71,11 +71,11 @@ class HeightMap:
 
     def at(self, points: FloatArray) -> FloatArray:
         """Heights (…) of the cells that hold `points` (…, 2)."""
-        return np.asarray(self.heights.ravel()[self.cells_of(points)])
+        return np.asarray(self.heights.take(self.cells_of(points)))
 
     def over(self, x: FloatArray, y: FloatArray) -> FloatArray:
         """The same for points given by columns x and y (…)."""
-        return np.asarray(self.heights.ravel()[self._cells(x, y)])
+        return np.asarray(self.heights.take(self.cells(x, y)))
 
     def higher_than(self, height: float) -> FloatArray:
         """Middles and heights (k, 3) of the cells higher than `height`."""
@@ -85,9 +85,10 @@ class HeightMap:
 
     def cells_of(self, points: FloatArray) -> IntArray:
         """Flat indices (…) of the cells that hold `points` (…, 2 or more); those outside belong to the empty rim."""
-        return self._cells(points[..., 0], points[..., 1])
+        return self.cells(points[..., 0], points[..., 1])
 
-    def _cells(self, x: FloatArray, y: FloatArray) -> IntArray:
+    def cells(self, x: FloatArray, y: FloatArray) -> IntArray:
+        """The same for points given by columns x and y (…)."""
         rows, columns = self.heights.shape
         cell = _bounded(x, self.origin[0], self.cell_m, rows)
         cell *= columns

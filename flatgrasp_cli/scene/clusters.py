@@ -13,7 +13,7 @@ from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 from flatgrasp_cli.model import Floor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
-from flatgrasp_cli.scene.raster import LEVEL_WINDOW_M, Area, Raster, fitting_cell_m, rasterise, smoothed
+from flatgrasp_cli.scene.raster import CELL_RANGE_M, LEVEL_WINDOW_M, Grid, Raster, fitting_cell_m, smoothed
 
 PLANE_SIGMAS = 3.0
 POINT_SIGMAS = 2.5
@@ -26,7 +26,8 @@ RING_M = 0.04
 RIM_M = 0.015
 """An object's middle lies at least this far inside the convex hull of the plane: what stands at its edge is cut off."""
 MIN_POINTS = 30
-EXTENT_SAMPLE = 50_000
+GRID_SAMPLE, SCATTER_SAMPLE = 50_000, 10_000
+BLOCK = 16_384
 CALM_WINDOW_M = 0.025
 MARGIN_M = 0.1
 """Points farther beyond the support plane's own are not looked at: a room behind the table."""
@@ -54,39 +55,58 @@ class Clusters:
 def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettings) -> Clusters:
     """Objects among `points` (n, 3) that stand on `plane`, largest first."""
     frame = plane_frame(plane)
-    heights, x, y = plane.heights(points), points @ frame.axes[0], points @ frame.axes[1]
-    flat = np.abs(heights) < PLANE_SIGMAS * plane.noise_m
-    low, high = _extent(x, y, flat)
-    near = (x > low[0]) & (x < high[0]) & (y > low[1]) & (y < high[1]) & (heights > -PLANE_SIGMAS * plane.noise_m)
-    raster = rasterise(x, y, near, fitting_cell_m(x, y, flat & near), (low, high))
-
-    total = raster.total(np.minimum(heights, HIGH_M))
+    raster, heights = _sorted(points, frame, _grid(points, frame, plane.noise_m), -PLANE_SIGMAS * plane.noise_m)
+    total = raster.total(heights)
     own = total / np.maximum(raster.count, 1)
     table = _largest((raster.count > 0) & (np.abs(own) < PLANE_SIGMAS * plane.noise_m))
     standing = _standing(raster, own, table, plane.noise_m, settings)
-    _, labels = cv2.connectedComponents(_bridged(standing, settings.gap_m / raster.cell_m), connectivity=8)
+    _, labels = cv2.connectedComponents(_bridged(standing, settings.gap_m / raster.grid.cell_m), connectivity=8)
     labels *= standing
     chosen = _objects(raster, labels, table, settings)
 
     # from here on only the points in cells that stand out, a few of all
-    rows = np.flatnonzero(standing.ravel()[raster.cell])
+    rows = np.flatnonzero(standing.take(raster.cell))
     cell = raster.cell[rows]
     rows = rows[heights[rows] > np.minimum(POINT_SIGMAS * plane.noise_m, 0.5 * own.ravel()[cell])]
     piece = labels.ravel()[raster.cell[rows]]  # without the plane's points at an object's edge
     return Clusters(
         members=tuple(rows[piece == name] for name in chosen),
         clutter=rows[~np.isin(piece, chosen)],
-        floor=_floor(frame, raster, total, (rows, np.minimum(heights[rows], HIGH_M))),
+        floor=_floor(frame, raster, total, (rows, heights[rows])),
         lie_on_table=bool(chosen) and _outside_share(labels, chosen, table) >= LEAST_OUTSIDE,
-        extent_m=float(raster.cell_m * np.hypot(*_span(table))),
+        extent_m=float(raster.grid.cell_m * np.hypot(*_span(table))),
     )
 
 
-def _extent(x: FloatArray, y: FloatArray, flat: BoolArray) -> Area:
-    """Corners of the area that is looked at: that of the plane's own points, `flat` (n,), and a margin around it."""
-    every = max(1, len(x) // EXTENT_SAMPLE)
-    own = np.stack([x[::every], y[::every]])[:, flat[::every]]
-    return own.min(axis=1) - MARGIN_M, own.max(axis=1) + MARGIN_M
+def _grid(points: FloatArray, frame: Frame, noise_m: float) -> Grid:
+    """Cells for the plane and a margin around it, as far as there are points, by an even sample of them."""
+    every = max(1, len(points) // GRID_SAMPLE)
+    x, y, heights = frame.to_local(np.ascontiguousarray(points[::every])).T
+    flat = np.abs(heights) < PLANE_SIGMAS * noise_m
+    sides = [(x, x[flat]), (y, y[flat])]
+    low = np.array([max(every_one.min(), own.min() - MARGIN_M) for every_one, own in sides])
+    high = np.array([min(every_one.max(), own.max() + MARGIN_M) for every_one, own in sides])
+    cell_m = fitting_cell_m(x[flat], y[flat]) / np.sqrt(every)
+    return Grid.over(low, high, float(np.clip(cell_m, *CELL_RANGE_M)))
+
+
+def _sorted(points: FloatArray, frame: Frame, grid: Grid, lowest_m: float) -> tuple[Raster, FloatArray]:
+    """All points above `lowest_m` sorted into the grid, and the heights (n,) of all, cut off at `HIGH_M`.
+
+    A frame has hundreds of thousands of points: they are read once, block by block, so that what lies between their
+    coordinates and their cells never leaves the processor's cache.
+    """
+    cell, heights = np.empty(len(points), dtype=np.intp), np.empty(len(points))
+    offset = float(frame.axes[2] @ frame.origin)
+    low, high = grid.origin + grid.cell_m, grid.origin + grid.cell_m * (np.array(grid.shape) - 1)
+    for first in range(0, len(points), BLOCK):
+        part = slice(first, first + BLOCK)
+        block = points[part]
+        x, y, height = block @ frame.axes[0], block @ frame.axes[1], block @ frame.axes[2] - offset
+        near = (x >= low[0]) & (x < high[0]) & (y >= low[1]) & (y < high[1]) & (height > lowest_m)
+        np.multiply(grid.cells(x, y), near, out=cell[part])
+        np.minimum(height, HIGH_M, out=heights[part])
+    return Raster.of(grid, cell), heights
 
 
 def _floor(frame: Frame, raster: Raster, total: FloatArray, above: tuple[IntArray, FloatArray]) -> Floor:
@@ -96,17 +116,18 @@ def _floor(frame: Frame, raster: Raster, total: FloatArray, above: tuple[IntArra
     """
     rows, heights = above
     cell = raster.cell[rows]
-    count = raster.count - np.bincount(cell, minlength=raster.count.size).reshape(raster.shape)
+    count = raster.count - np.bincount(cell, minlength=raster.count.size).reshape(raster.count.shape)
     mean = (total - raster.total(heights, cell)) / np.maximum(count, 1)
-    level = smoothed(mean, count, 2 * round(0.5 * CALM_WINDOW_M / raster.cell_m) + 1)
-    return Floor(frame, HeightMap(raster.origin, raster.cell_m, np.where(count > 0, level, UNSEEN)))
+    level = smoothed(mean, count, 2 * round(0.5 * CALM_WINDOW_M / raster.grid.cell_m) + 1)
+    return Floor(frame, HeightMap(raster.grid.origin, raster.grid.cell_m, np.where(count > 0, level, UNSEEN)))
 
 
 def _standing(raster: Raster, own: FloatArray, table: BoolArray, noise_m: float, settings: SceneSettings) -> BoolArray:
     """Which cells stand out of the plane, whose local level ripples: by their surroundings' mean and by their `own`."""
-    window = 2 * round(0.5 * LEVEL_WINDOW_M / raster.cell_m) + 1
+    window = 2 * round(0.5 * LEVEL_WINDOW_M / raster.grid.cell_m) + 1
     smooth = smoothed(own, raster.count, SMOOTH_CELLS) - smoothed(own, table, window)
-    scatter = MAD_TO_SIGMA * float(np.median(np.abs(smooth[table])))
+    ripple = smooth[table]
+    scatter = MAD_TO_SIGMA * float(np.median(np.abs(ripple[:: max(1, len(ripple) // SCATTER_SAMPLE)])))
     threshold = max(settings.min_height_m, settings.noise_factor * scatter)
     sure = POINT_SIGMAS * noise_m / np.sqrt(np.maximum(raster.count, 1))
     return np.asarray((raster.count > 0) & (smooth > threshold) & (own > np.maximum(threshold, sure)))
@@ -137,22 +158,23 @@ def _objects(raster: Raster, labels: IntArray, table: BoolArray, settings: Scene
     """Names of the clusters that are objects, largest first: big enough, not too long, and amid the plane."""
     import shapely
 
-    row, column = np.nonzero(labels)
-    name_of = labels[row, column]
+    cell = np.flatnonzero(labels)
+    row, column = np.divmod(cell, labels.shape[1])
+    name_of = labels.ravel()[cell]
     cells = np.bincount(name_of)
-    points = np.bincount(name_of, weights=raster.count[row, column])
-    large = (cells * raster.cell_m**2 >= settings.min_size_m**2) & (points >= MIN_POINTS)
-    amid = _hull(table).buffer(-RIM_M / raster.cell_m)
+    points = np.bincount(name_of, weights=raster.count.ravel()[cell])
+    large = (cells * raster.grid.cell_m**2 >= settings.min_size_m**2) & (points >= MIN_POINTS)
+    amid = _hull(table).buffer(-RIM_M / raster.grid.cell_m)
     found = []
     for name in np.flatnonzero(large).tolist():
         own = np.stack([row[name_of == name], column[name_of == name]])
         low, high = own.min(axis=1), own.max(axis=1) + 1
-        if raster.cell_m * np.hypot(*(high - low)) > settings.max_size_m:
+        if raster.grid.cell_m * np.hypot(*(high - low)) > settings.max_size_m:
             continue
         middle = own.mean(axis=1)
         if (
             shapely.contains_xy(amid, *middle)
-            and _sectors(low, high, middle, table, RING_M / raster.cell_m) >= MIN_SECTORS
+            and _sectors(low, high, middle, table, RING_M / raster.grid.cell_m) >= MIN_SECTORS
         ):
             found.append(name)
     return sorted(found, key=lambda name: -int(cells[name]))

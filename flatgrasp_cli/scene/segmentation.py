@@ -39,7 +39,7 @@ def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
     clusters = find_clusters(cloud.points, plane, settings)
     if settings.mode == "auto" and not clusters.lie_on_table and clusters.extent_m <= settings.max_size_m:
         return alone
-    objects = tuple(_object(k, cloud, plane, clusters) for k in range(len(clusters.members)))
+    objects = _objects(cloud, plane, clusters)
     reason = None if objects else "nothing stands on the support plane"
     return Scene(plane, selected(objects, settings.select), cloud.points[clusters.clutter], reason)
 
@@ -59,14 +59,24 @@ def _too_large(points: FloatArray) -> str | None:
     )
 
 
-def _object(index: int, cloud: Cloud, plane: SupportPlane, clusters: Clusters) -> ObjectCloud:
-    points = cloud.points[clusters.members[index]]
-    viewpoint = cloud.viewpoint
-    if not looks_down(viewpoint, plane.normal, plane.offset_m):
-        viewpoint = points.mean(axis=0) + OVERHEAD_M * plane.normal
-    columns = points.T
-    low, high = columns.min(axis=1) - NEAR_M, columns.max(axis=1) + NEAR_M
-    others = np.concatenate([clusters.clutter, *(rows for k, rows in enumerate(clusters.members) if k != index)])
-    x, y, z = cloud.points[others].T
-    near = (x > low[0]) & (x < high[0]) & (y > low[1]) & (y < high[1]) & (z > low[2]) & (z < high[2])
-    return ObjectCloud(index, points, viewpoint, plane, cloud.points[others[near]], clusters.floor)
+def _objects(cloud: Cloud, plane: SupportPlane, clusters: Clusters) -> tuple[ObjectCloud, ...]:
+    """The clusters as objects, each with what else stands near it."""
+    rows = (*clusters.members, clusters.clutter)
+    ends = np.cumsum([len(own) for own in rows])
+    standing = cloud.points[np.concatenate(rows)]
+    columns = np.ascontiguousarray(standing.T)
+    seen_from_above = looks_down(cloud.viewpoint, plane.normal, plane.offset_m)
+    found = []
+    for index in range(len(clusters.members)):
+        mine = slice(ends[index] - len(rows[index]), ends[index])
+        near = np.ones(len(standing), dtype=np.bool_)
+        for values in columns:
+            near &= (values > values[mine].min() - NEAR_M) & (values < values[mine].max() + NEAR_M)
+        near[mine] = False
+        viewpoint = cloud.viewpoint
+        if not seen_from_above:
+            viewpoint = columns[:, mine].mean(axis=1) + OVERHEAD_M * plane.normal
+        found.append(
+            ObjectCloud(index, standing[mine], viewpoint, plane, standing[np.flatnonzero(near)], clusters.floor)
+        )
+    return tuple(found)

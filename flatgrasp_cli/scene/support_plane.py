@@ -126,11 +126,13 @@ def _refined(points: FloatArray, viewpoint: FloatArray, fit: _Fit) -> SupportPla
     tolerance = float(np.median(_tolerance(points, viewpoint)))
     noise = tolerance
     for _ in range(REFINEMENTS):
-        refined, _ = _least_squares(points[np.abs(residuals) < tolerance])
+        inliers = points[np.flatnonzero(np.abs(residuals) < tolerance)]
+        refined, _ = _least_squares(inliers)
         normal = refined if refined @ normal > 0 else -refined
-        offset = float(np.median((points @ normal)[np.abs(residuals) < tolerance]))
+        offset = float(np.median(inliers @ normal))
         residuals = points @ normal - offset
-        noise = MAD_TO_SIGMA * float(np.median(np.abs(residuals[np.abs(residuals) < tolerance])))
+        scatter = np.abs(residuals)
+        noise = MAD_TO_SIGMA * float(np.median(scatter[scatter < tolerance]))
         tolerance = min(tolerance, max(INLIER_SIGMAS * noise, TOLERANCE_RANGE_M[0]))
     return SupportPlane(normal, offset, max(noise, LEAST_NOISE_M))
 
