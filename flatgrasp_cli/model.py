@@ -5,7 +5,7 @@ Lengths are metres, angles in names ending `_deg` degrees. "Plane" coordinates (
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from typing import TypeVar
 
 import numpy as np
@@ -19,7 +19,8 @@ T = TypeVar("T", "FingerCandidates", "GraspCandidates")
 
 def _select(table: T, keep: BoolArray | IntArray) -> T:
     """The rows of a table of equally long arrays that a mask or an index array names."""
-    return type(table)(*(getattr(table, column.name)[keep] for column in fields(table)))
+    rows = np.flatnonzero(keep) if keep.dtype == np.bool_ else keep
+    return type(table)(*(getattr(table, name).take(rows, axis=0) for name in table.__slots__))
 
 
 @dataclass(frozen=True, slots=True)

@@ -163,6 +163,17 @@ def test_alpha_region_keeps_a_real_hole_and_fills_a_gap() -> None:
     assert shapely.Polygon(region.interiors[0]).area == pytest.approx(np.pi * 10**2, rel=0.15)
 
 
+def test_alpha_region_drops_a_row_of_points_and_what_hangs_on_it() -> None:
+    """A square with a row of points from a side to a smaller square: the disc rolls along both of the row's sides."""
+    x, y = np.meshgrid(np.arange(0.0, 31), np.arange(0.0, 31))
+    square = np.column_stack([x.ravel(), y.ravel()])
+    row = np.column_stack([np.arange(31.0, 60, 2), np.full(15, 15.0)])
+    points = np.vstack([square, row, 0.4 * square + [60, 9]])
+    region = alpha_region(points, 3.0)
+    assert region.geom_type == "Polygon"
+    assert region.area == pytest.approx(30**2, rel=0.03)
+
+
 @given(st.floats(0, np.pi), seeds)
 def test_minimum_area_axis_finds_the_long_side(angle: float, seed: int) -> None:
     points = np.random.default_rng(seed).uniform([-2, -1], [2, 1], (300, 2))

@@ -76,31 +76,45 @@ def alpha_region(points: FloatArray, alpha_m: float) -> Any:
         return None
     shape = shapely.Polygon(shell, [hole for hole in holes if len(hole) >= 3])
     if not shape.is_valid:  # the disc rolled along both sides of a row of points
-        pieces = [part for part in shapely.get_parts(shapely.make_valid(shape)) if part.geom_type == "Polygon"]
+        parts = shapely.get_parts(shapely.get_parts(shapely.make_valid(shape)))  # of a collection that holds others
+        pieces = [part for part in parts if part.geom_type == "Polygon"]
         shape = max(pieces, key=lambda part: float(shapely.Polygon(part.exterior).area), default=None)
     return shape if shape is not None and shape.area > 0 else None
 
 
 def _rolled_around(points: FloatArray, alpha_m: float) -> tuple[list[FloatArray], list[int]]:
-    """The points (k, 2) that a disc touches one after another, ring by ring; and each hole's outer ring, −1 if it is one."""
-    x, y = np.ascontiguousarray(points.T)
-    low = np.array([x.min(), y.min()]) - 1.1 * alpha_m
-    size = np.array([x.max(), y.max()]) + 1.1 * alpha_m - low
-    pixel = max(alpha_m / PIXELS_PER_ALPHA, float(np.sqrt(np.prod(size) / MAX_PIXELS)))
-    width, height = ((size / pixel).astype(np.intp) + 3).tolist()
-    row, column = ((y - low[1]) / pixel + 1).astype(np.intp), ((x - low[0]) / pixel + 1).astype(np.intp)
+    """The points (k, 2) that a disc touches, ring by ring and in order; and each hole's outer ring, −1 for those."""
+    columns = np.ascontiguousarray(points.T)
+    low, high = columns.min(axis=1) - 1.1 * alpha_m, columns.max(axis=1) + 1.1 * alpha_m
+    pixel = max(alpha_m / PIXELS_PER_ALPHA, float(np.sqrt(np.prod(high - low) / MAX_PIXELS)))
+    width, height = ((high - low) / pixel + 3).astype(np.intp).tolist()
+    column, row = ((columns - low[:, None]) / pixel + 1).astype(np.intp)
     empty = np.ones((height, width), dtype=np.uint8)
     empty[row, column] = 0
     distance, nearest = cv2.distanceTransformWithLabels(empty, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL)
-    owner = np.zeros(len(points) + 1, dtype=np.intp)
-    owner[nearest[row, column]] = np.arange(len(points))
     covered = (distance <= alpha_m / pixel).view(np.uint8)
     contours, family = cv2.findContours(covered, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
-    rings = []
-    for contour in contours:
-        touched = nearest[contour[:, 0, 1], contour[:, 0, 0]]
-        rings.append(points[owner[touched[touched != np.roll(touched, 1)]]])
+    path = np.concatenate(contours)[:, 0]  # where the disc's centre goes
+    touched = nearest[path[:, 1], path[:, 0]]
+    owner = _outermost(columns, nearest[row, column], touched, low + (path - 0.5) * pixel)
+    ways = np.split(touched, np.cumsum([len(contour) for contour in contours])[:-1])
+    rings = [points[owner[way[way != np.concatenate([way[-1:], way[:-1]])]]] for way in ways]
     return rings, family[0, :, 3].tolist()
+
+
+def _outermost(columns: FloatArray, label: IntArray, touched: IntArray, path: FloatArray) -> IntArray:
+    """Of the points, columns (2, n), in each pixel the one that the disc touches: index by label (labels + 1,).
+
+    `label` (n,) is that of each point's pixel; a disc at `path` (m, 2) touches a point in the pixel `touched` (m,).
+    """
+    center = np.full((int(label.max()) + 1, 2), np.nan)
+    center[touched] = path
+    mates = np.flatnonzero(np.isfinite(center[label, 0]))
+    away = columns.take(mates, axis=1) - center[label[mates]].T
+    order = mates[np.argsort(-np.hypot(away[0], away[1]), kind="stable")]
+    owner = np.zeros(len(center), dtype=np.intp)
+    owner[label[order]] = order  # the last one stays: the nearest
+    return owner
 
 
 def _turning(ring: FloatArray, sign: float) -> FloatArray:

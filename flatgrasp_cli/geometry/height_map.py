@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
+from flatgrasp_cli.geometry.arrays import Float32Array, FloatArray, IntArray
 from flatgrasp_cli.geometry.frames import Frame
 
 UNSEEN = -np.inf
@@ -50,15 +50,12 @@ class HeightMap:
 
     def filled(self, other: HeightMap, frame: Frame, other_frame: Frame) -> HeightMap:
         """The same cells with the empty ones filled from a map in another frame of the same plane."""
-        row, column = np.nonzero(self.heights == UNSEEN)
         along = frame.axes[:2] @ other_frame.axes[:2].T  # (2, 2): this frame's x and y in the other's
-        origin = other_frame.to_local(frame.origin)[:2] + (self.origin + 0.5 * self.cell_m) @ along
-        step = self.cell_m * along
-        heights = self.heights.copy()
-        heights[row, column] = other.over(
-            origin[0] + row * step[0, 0] + column * step[1, 0], origin[1] + row * step[0, 1] + column * step[1, 1]
-        )
-        return HeightMap(self.origin, self.cell_m, _rimmed(heights))
+        x, y = other_frame.to_local(frame.origin)[:2] + (self.origin + 0.5 * self.cell_m) @ along
+        down = self.cell_m * np.arange(self.heights.shape[0])[:, None] * along[0, :, None, None]
+        right = self.cell_m * np.arange(self.heights.shape[1]) * along[1, :, None, None]
+        floor = other.over(x + down[0] + right[0], y + down[1] + right[1])
+        return HeightMap(self.origin, self.cell_m, _rimmed(np.where(self.heights == UNSEEN, floor, self.heights)))
 
     def averaged(self, points: FloatArray) -> HeightMap:
         """The same cells with the mean height of the `points` (n, 3) in each."""
@@ -87,7 +84,7 @@ class HeightMap:
         """Flat indices (…) of the cells that hold `points` (…, 2 or more); those outside belong to the empty rim."""
         return self.cells(points[..., 0], points[..., 1])
 
-    def cells(self, x: FloatArray, y: FloatArray) -> IntArray:
+    def cells(self, x: FloatArray | Float32Array, y: FloatArray | Float32Array) -> IntArray:
         """The same for points given by columns x and y (…)."""
         rows, columns = self.heights.shape
         cell = _bounded(x, self.origin[0], self.cell_m, rows)
@@ -103,9 +100,9 @@ def _rimmed(heights: FloatArray) -> FloatArray:
     return heights
 
 
-def _bounded(values: FloatArray, low: float, cell_m: float, count: int) -> IntArray:
+def _bounded(values: FloatArray | Float32Array, low: float, cell_m: float, count: int) -> IntArray:
     """Indices (…) of values in `count` cells from `low`; a fraction of the time that numpy's clip takes."""
-    index = np.asarray(values - low)
+    index = np.asarray(values - values.dtype.type(low))
     index /= cell_m
     np.minimum(index, count - 1, out=index)
     np.maximum(index, 0, out=index)

@@ -87,7 +87,7 @@ def contains(loops: Sequence[FloatArray], points: FloatArray) -> BoolArray:
     rise = by - ay
     slope = (bx - ax) / np.where(rise == 0, 1.0, rise)
     straddles = (ay > y) != (by > y)
-    return np.asarray((straddles & (x < ax + slope * (y - ay))).sum(axis=0) % 2 == 1)
+    return np.asarray(np.logical_xor.reduce(straddles & (x < ax + slope * (y - ay)), axis=0))
 
 
 def share_inside(loops: Sequence[FloatArray], starts: FloatArray, ends: FloatArray) -> FloatArray:
@@ -126,16 +126,16 @@ def circle_exits(loop: FloatArray, positions: FloatArray, radius: float) -> Floa
     """
     arc, n = arc_positions(loop), len(loop)
     centres = points_at(loop, positions)
-    outside = np.hypot(loop[:, 0] - centres[:, :1], loop[:, 1] - centres[:, 1:]) > radius
-    ahead = (np.searchsorted(arc, positions, side="right")[:, None] + np.arange(n)) % n  # vertices in order of walking
-    ahead_outside = np.take_along_axis(outside, ahead, axis=1)
-    end = ahead[np.arange(len(positions)), ahead_outside.argmax(axis=1)]
+    dx, dy = loop[:, 0] - centres[:, :1], loop[:, 1] - centres[:, 1:]
+    outside = np.tile(dx * dx + dy * dy > radius * radius, 2)  # the vertices of two rounds
+    outside &= np.arange(2 * n) >= np.searchsorted(arc, positions, side="right")[:, None]
+    end = outside.argmax(axis=1) % n
     start = (end - 1) % n
     unit = (loop[end] - loop[start]) / (arc[start + 1] - arc[start])[:, None]
     to_centre = centres - loop[start]
     along = dot(to_centre, unit) + np.sqrt(np.maximum(radius**2 - cross(to_centre, unit) ** 2, 0.0))
     exits = positions + np.mod(arc[start] + along - positions, arc[-1])
-    return np.where(ahead_outside.any(axis=1), exits, np.nan)
+    return np.where(outside.any(axis=1), exits, np.nan)
 
 
 def chord_walk(loop: FloatArray, radius: float) -> FloatArray:

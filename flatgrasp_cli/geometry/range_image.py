@@ -34,7 +34,7 @@ class RangeImage:
         x /= np.linalg.norm(x)
         axes = np.stack([x, np.cross(sight, x), sight])
         image = cls(viewpoint, axes, np.zeros(2), spacing_m / distance, np.empty((0, 0)))
-        x, y, ranges = image._projected(points)
+        x, y, ranges = image._projected(points.T)
         low, high = np.array([x.min(), y.min()]), np.array([x.max(), y.max()])
         pitch = max(image.pitch, float(np.sqrt(np.prod(high - low) / MAX_PIXELS)))
         rows, columns = (((high - low) / pitch).astype(np.intp) + 3).tolist()
@@ -42,20 +42,20 @@ class RangeImage:
         np.minimum.at(image.ranges.reshape(-1), image._pixels(x, y), ranges)
         return image
 
-    def nearest(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """How far the rays through `points` (…, 3) got, and how far those lie, (…); +inf where nothing returned."""
-        x, y, ranges = self._projected(points)
-        return self.ranges.ravel()[self._pixels(x, y)], ranges
+    def nearest(self, columns: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """How far the rays through points, columns (3, n), got, and how far those lie, (n,); +inf for no return."""
+        x, y, ranges = self._projected(columns)
+        return self.ranges.take(self._pixels(x, y)), ranges
 
-    def _projected(self, points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Image coordinates x and y, and ranges (…), of points (…, 3)."""
-        x, y, z = np.moveaxis((points - self.viewpoint) @ self.axes.T, -1, 0)
-        scale = 1 / np.maximum(z, 1e-9)
-        return x * scale, y * scale, np.sqrt(x * x + y * y + z * z)
+    def _projected(self, columns: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Image coordinates x and y, and ranges (n,), of points given as columns (3, n)."""
+        x, y, z = self.axes @ (columns - self.viewpoint[:, None])
+        depth = np.maximum(z, 1e-9)
+        return x / depth, y / depth, np.sqrt(x * x + y * y + z * z)
 
     def _pixels(self, x: FloatArray, y: FloatArray) -> IntArray:
         """Flat pixel indices (…); those outside fall on the empty rim."""
         rows, columns = self.ranges.shape
         row = np.maximum(np.minimum((x - self.corner[0]) / self.pitch, rows - 1), 0).astype(np.intp)
         column = np.maximum(np.minimum((y - self.corner[1]) / self.pitch, columns - 1), 0).astype(np.intp)
-        return row * columns + column
+        return np.asarray(row * columns + column)

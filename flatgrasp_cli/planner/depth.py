@@ -101,7 +101,7 @@ def _walls(fingers: FingerCandidates, terrain: Terrain) -> tuple[FloatArray, Flo
     """
     heights = terrain.surface.over(*pad_places(fingers, WALL_INWARD_M, ALONG_PAD))  # (distances, places, m)
     tops = heights.max(axis=0)
-    top = np.median(np.where(np.isfinite(tops), tops, terrain.level_m), axis=0)
+    top = np.sort(np.where(np.isfinite(tops), tops, terrain.level_m), axis=0)[len(ALONG_PAD) // 2]
     near = heights[:NEAR_PLACES]
     known = np.isfinite(near)
     count = known.sum(axis=(0, 1))
@@ -168,7 +168,7 @@ def _margins(fit: Fit, gripper: Gripper, settings: PlannerSettings) -> FloatArra
     room = fit.room.min(axis=0) - gripper.finger_thickness_m
     most = np.minimum(np.minimum(room, settings.hand.preshape_m), 0.5 * (gripper.max_opening_m - fit.width))
     least = np.minimum(settings.hand.clearance_m, most)
-    return np.asarray(np.linspace(most, least, MARGINS))
+    return np.asarray(most + np.linspace(0.0, 1.0, MARGINS)[:, None] * (least - most))
 
 
 def _under_fingers(
@@ -192,15 +192,17 @@ def _under_fingers(
     for side, sign in ((0, -1.0), (1, 1.0)):
         x = np.concatenate([offset + across_finger for offset in gripper.jaws[side]])
         begin = middle + (sign * 0.5 * fit.width)[:, None] * pairs.axis
-        places = (
-            begin[:, k] + x[:, None] * across[:, k] + (sign * out[:, None] * pairs.axis[:, k])[:, None] for k in (0, 1)
+        x_of, y_of = (
+            (begin[:, k] + x[:, None] * across[:, k]).astype(np.float32)
+            + (sign * out[:, None] * pairs.axis[:, k]).astype(np.float32)[:, None]
+            for k in (0, 1)
         )
-        cells = terrain.rest.cells(*places)  # (out, across, p)
+        cells = terrain.rest.cells(x_of, y_of)  # (out, across, p)
         heights = np.concatenate(
             [terrain.rest.heights.take(cells[:at_contact]), terrain.fine.heights.take(cells[at_contact:])]
         )
         most = np.maximum.accumulate(heights.max(axis=1), axis=0)
-        dark = np.cumsum(np.count_nonzero(heights == UNSEEN, axis=1), axis=0) * (cell / len(x))
+        dark = np.cumsum(np.add.reduce(heights == UNSEEN, axis=1, dtype=np.uint16), axis=0) * (cell / len(x))
         highest = np.maximum(highest, most[reach, columns])
         hidden += dark[reach, columns]
     return highest, hidden

@@ -86,17 +86,17 @@ def _loneliness(middles: FloatArray, axes: FloatArray) -> FloatArray:
     Where the sides are parallel there is a grasp on either hand; on a bump or at an end there is none.
     """
     middle, axis = middles.astype(np.float32), axes.astype(np.float32)  # a matrix of all with all: half the work
-    across = left_normal(axis)
-    every = max(1, len(middles) // MOST_NEIGHBOURS)
-    at_along, at_aside = dot(middle, axis), dot(middle, across)
+    across = left_normal(axes).astype(np.float32)
+    every = -(-len(middles) // MOST_NEIGHBOURS)
+    at_along, at_aside = ((middle * way).sum(axis=1) for way in (axis, across))
     met = np.zeros((len(MISSES_M), len(middles)), dtype=np.bool_)
     for first in range(0, len(middles), every * NEIGHBOURS_AT_ONCE):
         some = slice(first, first + every * NEIGHBOURS_AT_ONCE, every)
         near = np.abs(middle[some] @ axis.T - at_along) < MISS_STEP_M
         near &= np.abs(axis[some] @ axis.T) > np.float32(np.cos(np.radians(MISS_DEG)))
         aside = np.where(near, middle[some] @ across.T - at_aside, np.float32(np.inf))
-        for row, miss in zip(met, MISSES_M, strict=True):
-            row |= ((aside > miss - MISS_STEP_M) & (aside < miss + MISS_STEP_M)).any(axis=0)
+        for k, miss in enumerate(MISSES_M):
+            met[k] |= ((aside > miss - MISS_STEP_M) & (aside < miss + MISS_STEP_M)).any(axis=0)
     return np.asarray(1.0 - met.mean(axis=0))
 
 

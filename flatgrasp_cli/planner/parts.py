@@ -30,19 +30,24 @@ MIN_CELL_M = 0.002
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Part:
-    """Points (n, 3) of an object, the frame to project them to, and the terrain they stand in (None: seen alone)."""
+    """Points (n, 3) of an object, the frame to project them to, and the terrain they stand in (None: seen alone).
+
+    `spacing_m` is how far apart they then lie, where that is known.
+    """
 
     box: OrientedBox
     frame: Frame
     points: FloatArray
     terrain: Terrain | None = None
+    spacing_m: float | None = None
 
 
 def sliced(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, settings: PlannerSettings) -> list[Part]:
     """The object's slices, in a frame whose origin is the box's centre brought down to the support plane."""
     frame = replace(box.frame, origin=box.frame.origin - support.heights(box.frame.origin) * support.normal)
     local, obstacles = frame.to_local(cloud.points), frame.to_local(cloud.obstacles)
-    cell_m = max(MIN_CELL_M, spacing(local[:, :2]))
+    spacing_m = spacing(local[:, :2])
+    cell_m = max(MIN_CELL_M, spacing_m)
     others = HeightMap.around(local, cell_m, FINGERS_M).raised(obstacles)
     if cloud.floor is not None:
         others = others.filled(cloud.floor.levels, frame, cloud.floor.frame)
@@ -58,7 +63,9 @@ def sliced(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, settings
         surface = fine.averaged(local[piece.rows])
         rest = others.raised(local[apart])
         terrain = Terrain(piece.level_m, lowest, ground, surface, average, rest, fine, whole, view)
-        parts.append(Part(box, frame, cloud.points[piece.rows], terrain))
+        whole_object = len(piece.rows) == len(local)
+        points = cloud.points if whole_object else cloud.points[piece.rows]
+        parts.append(Part(box, frame, points, terrain, spacing_m if whole_object else None))
     return parts
 
 

@@ -60,14 +60,12 @@ def _best_part(
     No term of the cost is negative and one grows with the fingertips' height, so a part that stands high need not be
     planned once a lower one has a grasp that costs less than its height alone.
     """
-    best: ObjectPlan | None = None
-    for part in parts:
+    whole, *others = parts
+    best = _plan_part(cloud, whole, gripper, settings, top)
+    for part in others:
         height_m = deepest_tip(part.terrain, settings.depth) if part.terrain else 0.0
-        if best is not None and settings.gravity.level_weight * height_m > _least_cost(best)[0]:
-            continue
-        plan = _plan_part(cloud, part, gripper, settings, top)
-        best = plan if best is None else min(best, plan, key=_least_cost)
-    assert best is not None, "an object has at least one part"
+        if settings.gravity.level_weight * height_m <= _least_cost(best)[0]:
+            best = min(best, _plan_part(cloud, part, gripper, settings, top), key=_least_cost)
     return best
 
 
@@ -95,7 +93,7 @@ def _section_three(
     funnel, trace = notes
     box, terrain = part.box, part.terrain
     # A.1 is the box and its main plane; A.2 the silhouette
-    outline = trace.silhouette = silhouette(part.points, part.frame, settings.silhouette)
+    outline = trace.silhouette = silhouette(part.points, part.frame, settings.silhouette, part.spacing_m)
     funnel.count("silhouette", len(outline.loops), "the points are too scattered for an outline")
 
     # A.3 step points, finger candidates, grasping directions
@@ -161,30 +159,32 @@ def _grasps(
     heights = np.repeat(landing.touch[:, None, None], 2, axis=1)
     contacts = frame.to_world(np.concatenate([touched, heights], axis=2))
     hand_x, hand_y = left_normal(pairs.axis) @ frame.axes[:2], pairs.axis @ frame.axes[:2]
-    variance = fingers.variance[pairs.i] + fingers.variance[pairs.j]
-    arc_ratio = np.maximum(fingers.arc_ratio[pairs.i], fingers.arc_ratio[pairs.j])
+    columns = {
+        "opening_m": landing.opening,
+        "width_m": fit.width,
+        "force_balance_deg": pairs.force_balance_deg,
+        "torque_arm_m": pairs.torque_arm_m,
+        "required_friction": pairs.required_friction,
+        "variance_m": fingers.variance[pairs.i] + fingers.variance[pairs.j],
+        "gravity_distance_m": ranking.distance,
+        "inside_share": ranking.inside_share,
+        "arc_ratio": np.maximum(fingers.arc_ratio[pairs.i], fingers.arc_ratio[pairs.j]),
+        "cost_m": cost,
+    }
+    if on_support:
+        columns |= {"tip_height_m": landing.tip, "grip_m": landing.grip, "unseen_m": landing.unseen}
+    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+    places = zip(pairs.i.tolist(), pairs.j.tolist(), strict=True)
     return tuple(
         Grasp(
             rank=k + 1,
             position=position[k],
             orientation=quaternion_from_axes(np.stack([hand_x[k], hand_y[k], -frame.axes[2]])),
-            opening_m=float(landing.opening[k]),
-            width_m=float(fit.width[k]),
             contacts=contacts[k],
-            fingers=(int(pairs.i[k]), int(pairs.j[k])),
-            force_balance_deg=float(pairs.force_balance_deg[k]),
-            torque_arm_m=float(pairs.torque_arm_m[k]),
-            required_friction=float(pairs.required_friction[k]),
-            variance_m=float(variance[k]),
-            gravity_distance_m=float(ranking.distance[k]),
-            inside_share=float(ranking.inside_share[k]),
-            arc_ratio=float(arc_ratio[k]),
-            cost_m=float(cost[k]),
-            tip_height_m=float(landing.tip[k]) if on_support else None,
-            grip_m=float(landing.grip[k]) if on_support else None,
-            unseen_m=float(landing.unseen[k]) if on_support else None,
+            fingers=place,
+            **dict(zip(columns, row, strict=True)),
         )
-        for k in range(len(pairs))
+        for k, (place, row) in enumerate(zip(places, rows, strict=True))
     )
 
 

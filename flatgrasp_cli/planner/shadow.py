@@ -76,9 +76,9 @@ def hidden_share(fingers: FingerCandidates, terrain: Terrain) -> FloatArray:
     """Share (m,) of the space before each candidate, where the finger comes down, that the sensor did not see."""
     x, y = pad_places(fingers, -np.array(OUTWARD_M), ACROSS[::2])
     levels = terrain.level_m + np.array(HEIGHTS_M)
-    points = np.empty((len(levels), *x.shape, 3))
-    points[..., 0], points[..., 1], points[..., 2] = x, y, levels[:, None, None, None]
-    hidden = terrain.view.hides(points.reshape(-1, 3), BEHIND_M).reshape(-1, len(fingers))
+    points = np.empty((3, len(levels), *x.shape))
+    points[0], points[1], points[2] = x, y, levels[:, None, None, None]
+    hidden = terrain.view.hides(points.reshape(3, -1), BEHIND_M).reshape(-1, len(fingers))
     return np.asarray(np.count_nonzero(hidden, axis=0) / len(hidden))
 
 
@@ -96,7 +96,7 @@ def hidden_extent(
     rows = np.flatnonzero(shadowed)
     if len(rows) == 0:
         return extent
-    profiles = surface.over(*pad_places(fingers.select(rows), PROFILE_M, ACROSS))
+    profiles = surface.over(*pad_places(fingers.select(rows), PROFILE_M, ACROSS[::2]))
     known = np.isfinite(profiles)
     total = np.where(known, profiles, 0.0).sum(axis=1)
     count = known.sum(axis=1)

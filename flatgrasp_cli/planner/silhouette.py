@@ -22,15 +22,18 @@ MIN_ALPHA_M = 0.003
 ALPHA_GROWTH = 1.5
 
 
-def silhouette(points: FloatArray, frame: Frame, settings: SilhouetteSettings) -> Silhouette:
+def silhouette(
+    points: FloatArray, frame: Frame, settings: SilhouetteSettings, spacing_m: float | None = None
+) -> Silhouette:
     """The concave hull of `points` (n, 3) projected to the main plane, `frame`'s x-y plane: a polygon with holes.
 
+    `spacing_m` is that of the projected points where it is known already.
     α grows until one piece holds the share of the points that the settings ask for; what is detached from it then
     counts for nothing.
     """
     local = frame.to_local(points)
     projected, heights = np.ascontiguousarray(local[:, :2]), local[:, 2]
-    alpha_m = settings.alpha_m or max(MIN_ALPHA_M, 2 * spacing(projected))
+    alpha_m = settings.alpha_m or max(MIN_ALPHA_M, 2 * (spacing_m or spacing(projected)))
     alpha_m, member = _one_piece(projected, alpha_m, settings.min_coverage)
     region = alpha_region(projected[member], alpha_m)
     loops = _loops(region, settings) if region is not None else ()
@@ -43,7 +46,7 @@ def spacing(points: FloatArray) -> float:
     reach = min(NEIGHBOURS + 1, len(points))  # a point is its own nearest neighbour
     tree = cv2.flann.Index(points.astype(np.float32), {"algorithm": KD_TREE, "leaf_max_size": 16})
     _, squares = tree.knnSearch(np.ascontiguousarray(sample, dtype=np.float32), reach, params={})
-    return float(np.sqrt(np.quantile(squares[:, -1], SPACING_QUANTILE)))
+    return float(np.sqrt(np.sort(squares[:, -1])[round(SPACING_QUANTILE * (len(sample) - 1))]))
 
 
 def _one_piece(points: FloatArray, alpha_m: float, min_share: float) -> tuple[float, BoolArray]:

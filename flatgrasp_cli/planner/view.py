@@ -28,21 +28,23 @@ class View:
         """Where the sensor was (3,), in `frame`."""
         return self.image.viewpoint
 
-    def hides(self, points: FloatArray, margin_m: float) -> BoolArray:
-        """Which `points` (n, 3) lie more than `margin_m` behind what was seen on their ray, or where nothing was."""
-        nearest, ranges = self.image.nearest(points)
+    def hides(self, columns: FloatArray, margin_m: float) -> BoolArray:
+        """Which points, columns (3, n), lie more than `margin_m` behind what was seen on their ray, or nothing was."""
+        nearest, ranges = self.image.nearest(columns)
         hidden = np.asarray(nearest < ranges - margin_m)
         through = np.flatnonzero(np.isinf(nearest))
-        hidden[through] = ~self._met_floor(points[through])
+        hidden[through] = ~self._met_floor(columns.take(through, axis=1))
         return hidden
 
-    def _met_floor(self, points: FloatArray) -> BoolArray:
-        """Whether the rays through `points` (n, 3) go on to where the support plane was seen."""
-        if self.floor is None or len(points) == 0:
-            return np.zeros(len(points), dtype=np.bool_)
-        local = self.floor.frame.to_local(self.frame.to_world(points))
-        sensor = self.floor.frame.to_local(self.frame.to_world(self.viewpoint))
-        fall = sensor[2] - local[:, 2]
-        share = sensor[2] / np.where(fall > 0, fall, 1.0)
-        x, y = (sensor[:2] + share[:, None] * (local[:, :2] - sensor[:2])).T
-        return np.asarray(np.isfinite(self.floor.levels.over(x, y)) & (fall > 0))
+    def _met_floor(self, columns: FloatArray) -> BoolArray:
+        """Whether the rays through points, columns (3, n), go on to where the support plane was seen."""
+        if self.floor is None or columns.shape[1] == 0:
+            return np.zeros(columns.shape[1], dtype=np.bool_)
+        turn = self.floor.frame.axes @ self.frame.axes.T
+        origin = self.floor.frame.to_local(self.frame.origin)
+        x, y, z = turn @ columns + origin[:, None]
+        sensor_x, sensor_y, sensor_z = turn @ self.viewpoint + origin
+        fall = sensor_z - z
+        share = sensor_z / np.where(fall > 0, fall, 1.0)
+        levels = self.floor.levels.over(sensor_x + share * (x - sensor_x), sensor_y + share * (y - sensor_y))
+        return np.asarray(np.isfinite(levels) & (fall > 0))

@@ -13,7 +13,7 @@ from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 from flatgrasp_cli.model import Floor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
-from flatgrasp_cli.scene.raster import CELL_RANGE_M, LEVEL_WINDOW_M, Grid, Raster, fitting_cell_m, smoothed
+from flatgrasp_cli.scene.raster import LEVEL_WINDOW_M, Grid, Raster, fitting_cell_m, smoothed
 
 PLANE_SIGMAS = 3.0
 POINT_SIGMAS = 2.5
@@ -60,8 +60,7 @@ def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettin
     own = total / np.maximum(raster.count, 1)
     table = _largest((raster.count > 0) & (np.abs(own) < PLANE_SIGMAS * plane.noise_m))
     standing = _standing(raster, own, table, plane.noise_m, settings)
-    _, labels = cv2.connectedComponents(_bridged(standing, settings.gap_m / raster.grid.cell_m), connectivity=8)
-    labels *= standing
+    labels = _labels(_bridged(standing, settings.gap_m / raster.grid.cell_m)) * standing
     chosen = _objects(raster, labels, table, settings)
 
     # from here on only the points in cells that stand out, a few of all
@@ -86,8 +85,7 @@ def _grid(points: FloatArray, frame: Frame, noise_m: float) -> Grid:
     sides = [(x, x[flat]), (y, y[flat])]
     low = np.array([max(every_one.min(), own.min() - MARGIN_M) for every_one, own in sides])
     high = np.array([min(every_one.max(), own.max() + MARGIN_M) for every_one, own in sides])
-    cell_m = fitting_cell_m(x[flat], y[flat]) / np.sqrt(every)
-    return Grid.over(low, high, float(np.clip(cell_m, *CELL_RANGE_M)))
+    return Grid.over(low, high, fitting_cell_m(x[flat], y[flat], every))
 
 
 def _sorted(points: FloatArray, frame: Frame, grid: Grid, lowest_m: float) -> tuple[Raster, FloatArray]:
@@ -138,6 +136,11 @@ def _bridged(mask: BoolArray, gap_cells: float) -> ByteArray:
     return np.asarray(cv2.dilate(mask.view(np.uint8), cross, iterations=round(0.5 * gap_cells)))
 
 
+def _labels(mask: Any) -> IntArray:
+    """Numbers (rows, columns) from 1 for the connected pieces of a mask of bytes."""
+    return np.asarray(cv2.connectedComponents(mask, connectivity=8)[1], dtype=np.int32)
+
+
 def plane_frame(plane: SupportPlane) -> Frame:
     """A frame whose z axis is the plane's normal and whose origin lies in the plane."""
     helper = np.eye(3)[int(np.argmin(np.abs(plane.normal)))]
@@ -148,7 +151,7 @@ def plane_frame(plane: SupportPlane) -> Frame:
 
 def _largest(mask: BoolArray) -> BoolArray:
     """The largest connected piece of `mask`, gaps of a cell bridged."""
-    _, labels = cv2.connectedComponents(cv2.dilate(mask.view(np.uint8), np.ones((3, 3), np.uint8)), connectivity=8)
+    labels = _labels(cv2.dilate(mask.view(np.uint8), np.ones((3, 3), np.uint8)))
     sizes = np.bincount(labels[mask])
     sizes[:1] = 0
     return np.asarray((labels == np.argmax(sizes)) & mask)
@@ -216,4 +219,4 @@ def _outside_share(labels: IntArray, chosen: list[int], table: BoolArray) -> flo
         rows, first, last = _ends(labels == name)
         ends = np.column_stack([np.concatenate([first, last]), np.tile(rows, 2)])  # OpenCV's x is the column
         cv2.fillConvexPoly(covered, cv2.convexHull(ends.astype(np.int32)), 1)
-    return 1.0 - float(np.count_nonzero(table & (covered > 0)) / max(1, np.count_nonzero(table)))
+    return 1.0 - int(np.count_nonzero(table & (covered > 0))) / max(1, int(np.count_nonzero(table)))

@@ -9,7 +9,7 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 
-COARSE_CELL_M = 0.02
+COARSE_CELL_M = 0.01
 POINTS_PER_CELL = 4.0
 CELL_RANGE_M = (0.002, 0.02)
 MAX_CELLS = 4_000_000
@@ -34,7 +34,7 @@ class Grid:
 
     def cells(self, x: FloatArray, y: FloatArray) -> IntArray:
         """Flat indices (n,) of points x and y (n,) in the area."""
-        row = ((x - self.origin[0]) / self.cell_m).astype(np.intp)
+        row: IntArray = ((x - self.origin[0]) / self.cell_m).astype(np.intp)
         row *= self.shape[1]
         row += ((y - self.origin[1]) / self.cell_m).astype(np.intp)
         return row
@@ -69,12 +69,13 @@ class Raster:
         return np.asarray(self.total(values) / np.maximum(self.count, 1))
 
 
-def fitting_cell_m(x: FloatArray, y: FloatArray) -> float:
-    """Side of cells that hold a few of the points x, y (n,) each, where there are any; of a sample, in proportion."""
-    coarse = Grid.over(np.array([x.min(), y.min()]), np.array([x.max(), y.max()]), COARSE_CELL_M)
+def fitting_cell_m(x: FloatArray, y: FloatArray, every: int = 1) -> float:
+    """Side of cells that hold a few points each, where there are any; of those x and y (n,) are one in `every`."""
+    low, high = np.array([x.min(), y.min()]), np.array([x.max(), y.max()])
+    coarse = Grid.over(low, high, COARSE_CELL_M * np.sqrt(every))
     count = Raster.of(coarse, coarse.cells(x, y)).count
-    density = float(np.median(count[count > 0])) / coarse.cell_m**2
-    return float(np.sqrt(POINTS_PER_CELL / density))
+    density = every * float(np.median(count[count > 0])) / coarse.cell_m**2
+    return float(np.clip(np.sqrt(POINTS_PER_CELL / density), *CELL_RANGE_M))
 
 
 def smoothed(values: FloatArray, where: BoolArray | IntArray, cells: int) -> FloatArray:
