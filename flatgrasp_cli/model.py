@@ -5,20 +5,22 @@ Lengths are metres, angles in names ending `_deg` degrees. "Plane" coordinates (
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.frames import Frame
+from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 
 T = TypeVar("T", "FingerCandidates", "GraspCandidates")
 
 
 def _select(table: T, keep: BoolArray | IntArray) -> T:
     """The rows of a table of equally long arrays that a mask or an index array names."""
-    return type(table)(*(getattr(table, column.name)[keep] for column in fields(table)))
+    rows = np.flatnonzero(keep) if keep.dtype == np.bool_ else keep
+    return type(table)(*(getattr(table, name).take(rows, axis=0) for name in table.__slots__))
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,12 +76,28 @@ class SupportPlane:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Floor:
+    """What was seen of a support plane with nothing on it: cells of its own `frame`, whose z axis is the normal.
+
+    `levels` holds the height over the plane around each such cell, −inf in all others. Cells serve all objects alike
+    and are far fewer than the plane's points.
+    """
+
+    frame: Frame
+    levels: HeightMap
+
+    @property
+    def points(self) -> FloatArray:
+        """The middles (k, 3) of the cells, in the world."""
+        return self.frame.to_world(self.levels.higher_than(UNSEEN))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class ObjectCloud:
     """The points (n, 3) of one object, seen from `viewpoint` (3,).
 
-    `support` is the plane it stands on, None when it was seen alone. Near it lie other points above the plane,
-    `obstacles` (m, 3), for fingers and palm to keep clear of, and points of the plane, `free` (k, 3): nothing stands
-    on those.
+    `support` is the plane it stands on, None when it was seen alone, and `floor` what was seen of that. Near it lie
+    other points above the plane, `obstacles` (m, 3), for fingers and palm to keep clear of.
     """
 
     id: int
@@ -87,7 +105,7 @@ class ObjectCloud:
     viewpoint: FloatArray
     support: SupportPlane | None = None
     obstacles: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
-    free: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
+    floor: Floor | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -114,8 +114,8 @@ def test_plan_from_a_pipe_gives_the_same_and_loads_no_plotting(plate: Path, run:
     assert direct["source"]["path"] == str(plate)
     assert answer(piped) == answer(direct)
     loaded = modules(done.stderr.decode())
-    assert "open3d" in loaded
-    assert loaded.isdisjoint({"matplotlib", "rich"})
+    assert "cv2" in loaded
+    assert loaded.isdisjoint({"matplotlib", "open3d", "rich", "scipy"})
 
 
 def test_help_loads_nothing_heavy() -> None:

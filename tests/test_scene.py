@@ -17,7 +17,7 @@ from flatgrasp_cli.model import Cloud, ObjectCloud, Scene, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene import segment
 from flatgrasp_cli.scene.clusters import plane_frame
-from flatgrasp_cli.scene.raster import fitting_cell_m, rasterise, smoothed
+from flatgrasp_cli.scene.raster import Grid, Raster, fitting_cell_m, smoothed
 from flatgrasp_cli.scene.support_plane import find_support_plane, looks_down
 from tests.conftest import FLOOR, MM, TABLE, WALL, Box, Camera, Tube
 
@@ -53,6 +53,11 @@ def assert_is_table(plane: SupportPlane | None) -> None:
     assert plane is not None
     assert degrees_between(plane.normal, [0, 0, 1]) < 0.3
     assert abs(plane.offset_m) < 1 * MM
+
+
+def floor_of(item: ObjectCloud) -> FloatArray:
+    assert item.floor is not None
+    return item.floor.points
 
 
 def the_object(scene: Scene) -> ObjectCloud:
@@ -197,7 +202,7 @@ class TestObjects:
     def test_the_floor_beside_the_table_is_neither_object_nor_obstacle_nor_free(self) -> None:
         scene = scene_of(Camera(tilt_deg=30, distance=1.6, focal=300.0).sees(TABLE, FLOOR, BLOCK))
         found = the_object(scene)
-        for points in (found.points, found.obstacles, found.free, scene.clutter):
+        for points in (found.points, found.obstacles, floor_of(found), scene.clutter):
             assert len(points) == 0 or points[:, 2].min() > -0.02
 
     @pytest.mark.parametrize(
@@ -299,7 +304,7 @@ class TestWanted:
         scene = scene_of(cloud, "crop=[-0.25,0,-0.2,0.2,-0.1,0.5]")
         assert middles(scene) == pytest.approx(np.array([[-0.12, -0.05]]), abs=4 * MM)
         assert the_object(scene).obstacles.shape == (0, 3)
-        assert the_object(scene).free[:, 0].max() <= 0
+        assert floor_of(the_object(scene))[:, 0].max() <= 1 * MM  # the middle of a cell
 
     def test_crop_keeps_its_own_borders(self) -> None:
         points = np.array([[0.0, 0, 0], [1.0, 1, 1], [1.0, 1, 1.01], [-0.01, 0, 0]])
@@ -337,8 +342,9 @@ class TestWanted:
 class TestRaster:
     def test_cells_average_what_falls_into_them(self) -> None:
         points = np.array([[0.0, 0.0], [0.004, 0.004], [0.012, 0.0], [0.0, 0.025]])
-        raster = rasterise(points, 0.01)
-        assert raster.shape == (4, 5)  # two by three cells, and a rim
+        grid = Grid.over(points.min(axis=0), points.max(axis=0), 0.01)
+        raster = Raster.of(grid, grid.cells(*points.T))
+        assert raster.count.shape == (4, 5)  # two by three cells, and a rim
         assert raster.count.sum() == 4
         means = raster.mean(np.array([1.0, 3.0, 5.0, 7.0]))
         assert (means[1, 1], means[2, 1], means[1, 3]) == (2.0, 5.0, 7.0)
@@ -346,7 +352,7 @@ class TestRaster:
 
     def test_cells_hold_a_few_points_each(self) -> None:
         points = np.random.default_rng(0).uniform(0, 0.4, (40_000, 2))  # 25 points in a square centimetre
-        assert fitting_cell_m(points) == pytest.approx(0.004, rel=0.05)
+        assert fitting_cell_m(*points.T) == pytest.approx(0.004, rel=0.05)
 
     def test_means_are_weighted(self) -> None:
         values, weights = np.array([[0.0, 2.0, 8.0, 0.0, 0.0]]), np.array([[0, 3, 1, 0, 0]])

@@ -1,20 +1,26 @@
 """α-shapes: the concave hull of a planar point set (Edelsbrunner, Kirkpatrick & Seidel, IEEE T-IT 29(4), 1983).
 
-A Delaunay triangulation of all points would spend its time on the interior, which shapes nothing. So points are sorted
-into square cells first, and only those in cells at the border are triangulated.
+Its boundary is what a disc of radius α touches when it rolls around the points, and inside each hole that is wide
+enough for it. The disc's centre then runs along the line at distance α from the nearest point. A distance transform
+finds that line, in order, and with it the points: so the outline's vertices are points, and no triangulation is made.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
+import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.polygon import cross, following, signed_area
 
 MAX_CELLS = 4_000_000
 CELLS_PER_ALPHA = np.sqrt(2)
 """A disc of radius α, wherever it lies, holds a whole cell of side α/√2: the one around its centre."""
+PIXELS_PER_ALPHA, MAX_PIXELS = 8.0, 100_000
+"""Resolution of the distance transform. A point that the disc would touch on less than a pixel's way may be missed."""
+FILLINGS = 3
 
 
 class CellGrid:
@@ -47,82 +53,87 @@ class CellGrid:
         """Flat index (m,) of the cells in which `points` (m, 2), within the extent, lie."""
         return self._cells_of(points.T)
 
-    @property
-    def cell_area(self) -> float:
-        """Area of a cell."""
-        return float(self._per_metre) ** -2
-
-    def centers(self, cells: BoolArray) -> FloatArray:
-        """Centres (k, 2) of the cells that a mask of the grid's shape names."""
-        return np.asarray(self._origin + (np.argwhere(cells) - 0.5) / self._per_metre)
-
-    def interior(self) -> BoolArray:
-        """Occupied cells all of whose eight neighbours are occupied."""
-        inner = self.occupied.copy()
-        for axis in (0, 1):
-            inner &= np.roll(inner, 1, axis) & np.roll(inner, -1, axis)  # the empty rim keeps the roll harmless
-        return inner
-
     def largest_piece(self) -> tuple[BoolArray, float]:
         """The connected cells with the most points, as a mask over the points (n,), and their share of the points."""
-        from scipy.ndimage import label
-
-        labels, _ = label(self.occupied, structure=np.ones((3, 3)))
+        _, labels = cv2.connectedComponents(self.occupied.view(np.uint8), connectivity=8)
         piece = labels.ravel()[self.cell]
         counts = np.bincount(piece)
         member = piece == np.argmax(counts)
         return member, float(counts.max() / len(piece))
 
 
-def alpha_region(grid: CellGrid, member: BoolArray) -> Any:
-    """The α-shape of the grid's points that `member` (n,) names, as a shapely polygon with holes; None without area.
-
-    Triangles of the border's points belong to the shape when they are small, or when they lie over the interior.
-    Border points are those with an empty cell among the eight around theirs; a point deeper in that touches an empty
-    disc of radius α all the same is left out, and lies within a cell of the outline. A hole between the triangles is
-    one of the object only if it holds an empty cell, as every disc of radius α does.
-    """
+def alpha_region(points: FloatArray, alpha_m: float) -> Any:
+    """The α-shape of `points` (n, 2), as a shapely polygon with holes: its largest piece, None without area."""
     import shapely
-    from scipy.spatial import Delaunay, QhullError
 
-    interior = grid.interior().ravel()
-    border = grid.points[member & ~interior[grid.cell]]
-    try:
-        mesh = Delaunay(border)
-    except (QhullError, ValueError):
+    rings, outer = _rolled_around(points, alpha_m)
+    largest = max(range(len(rings)), key=lambda k: abs(signed_area(rings[k])) if outer[k] < 0 else -1.0)
+    holes = [
+        _filled(_turning(ring, -1.0), alpha_m) for ring, shell in zip(rings, outer, strict=True) if shell == largest
+    ]
+    shell = _filled(_turning(rings[largest], 1.0), alpha_m)
+    if len(shell) < 3:
         return None
-    triangles = border[mesh.simplices]
-    kept = small_triangles(triangles, grid.alpha_m) | interior[grid.cells_of(triangles.mean(axis=1))]
-    edges = border[_boundary_edges(mesh, kept)]
-    area = shapely.build_area(shapely.multilinestrings(shapely.linestrings(edges)))
-    pieces = shapely.get_parts(area)
-    if len(pieces) == 0:
-        return None
-    shells = shapely.polygons(shapely.get_exterior_ring(pieces))
-    largest = int(np.argmax(shapely.area(shells)))
-    empty = grid.centers(~grid.occupied)
-    holes = (shapely.Polygon(ring) for ring in pieces[largest].interiors)
-    real = [hole.exterior for hole in holes if hole.area > grid.cell_area and shapely.contains_xy(hole, empty).any()]
-    return shapely.Polygon(pieces[largest].exterior, real)
+    shape = shapely.Polygon(shell, [hole for hole in holes if len(hole) >= 3])
+    if not shape.is_valid:  # the disc rolled along both sides of a row of points
+        parts = shapely.get_parts(shapely.get_parts(shapely.make_valid(shape)))  # of a collection that holds others
+        pieces = [part for part in parts if part.geom_type == "Polygon"]
+        shape = max(pieces, key=lambda part: float(shapely.Polygon(part.exterior).area), default=None)
+    return shape if shape is not None and shape.area > 0 else None
 
 
-def small_triangles(triangles: FloatArray, alpha_m: float) -> BoolArray:
-    """Which `triangles` (n, 3, 2) belong to the shape: circumradius at most α, or no side longer than α.
+def _rolled_around(points: FloatArray, alpha_m: float) -> tuple[list[FloatArray], list[int]]:
+    """The points (k, 2) that a disc touches, ring by ring and in order; and each hole's outer ring, −1 for those."""
+    columns = np.ascontiguousarray(points.T)
+    low, high = columns.min(axis=1) - 1.1 * alpha_m, columns.max(axis=1) + 1.1 * alpha_m
+    pixel = max(alpha_m / PIXELS_PER_ALPHA, float(np.sqrt(np.prod(high - low) / MAX_PIXELS)))
+    width, height = ((high - low) / pixel + 3).astype(np.intp).tolist()
+    column, row = ((columns - low[:, None]) / pixel + 1).astype(np.intp)
+    empty = np.ones((height, width), dtype=np.uint8)
+    empty[row, column] = 0
+    distance, nearest = cv2.distanceTransformWithLabels(empty, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL)
+    covered = (distance <= alpha_m / pixel).view(np.uint8)
+    contours, family = cv2.findContours(covered, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
+    path = np.concatenate(contours)[:, 0]  # where the disc's centre goes
+    touched = nearest[path[:, 1], path[:, 0]]
+    owner = _outermost(columns, nearest[row, column], touched, low + (path - 0.5) * pixel)
+    ways = np.split(touched, np.cumsum([len(contour) for contour in contours])[:-1])
+    rings = [points[owner[way[way != np.concatenate([way[-1:], way[:-1]])]]] for way in ways]
+    return rings, family[0, :, 3].tolist()
 
-    The circumradius is the product of the sides over four times the area. The second rule is ours: a flat triangle
-    between neighbours has a huge one, and leaving such out would fold a straight outline into a zigzag. It is at most
-    α·(1 − √3/2) deep.
+
+def _outermost(columns: FloatArray, label: IntArray, touched: IntArray, path: FloatArray) -> IntArray:
+    """Of the points, columns (2, n), in each pixel the one that the disc touches: index by label (labels + 1,).
+
+    `label` (n,) is that of each point's pixel; a disc at `path` (m, 2) touches a point in the pixel `touched` (m,).
     """
-    a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
-    first, second, third = (np.hypot(*(p - q).T) for p, q in ((a, b), (b, c), (c, a)))
-    (ux, uy), (vx, vy) = (b - a).T, (c - a).T
-    round_enough = first * second * third <= alpha_m * 2 * np.abs(ux * vy - uy * vx)
-    return np.asarray(round_enough | (np.maximum(np.maximum(first, second), third) <= alpha_m))
+    center = np.full((int(label.max()) + 1, 2), np.nan)
+    center[touched] = path
+    mates = np.flatnonzero(np.isfinite(center[label, 0]))
+    away = columns.take(mates, axis=1) - center[label[mates]].T
+    order = mates[np.argsort(-np.hypot(away[0], away[1]), kind="stable")]
+    owner = np.zeros(len(center), dtype=np.intp)
+    owner[label[order]] = order  # the last one stays: the nearest
+    return owner
 
 
-def _boundary_edges(mesh: Any, kept: BoolArray) -> Any:
-    """Vertex pairs (k, 2) of the edges between a kept triangle and none or one that is not kept."""
-    neighbours = mesh.neighbors
-    triangle, corner = np.nonzero(kept[:, None] & ((neighbours < 0) | ~kept[neighbours]))
-    simplices = mesh.simplices  # side k of a simplex lies opposite its corner k
-    return np.column_stack([simplices[triangle, (corner + 1) % 3], simplices[triangle, (corner + 2) % 3]])
+def _turning(ring: FloatArray, sign: float) -> FloatArray:
+    """The ring (k, 2) counter-clockwise, or clockwise where `sign` is negative."""
+    return ring if len(ring) < 3 or signed_area(ring) * sign > 0 else ring[::-1]
+
+
+def _filled(ring: FloatArray, alpha_m: float) -> FloatArray:
+    """The ring (k, 2) without its notches between points that are no farther apart than α.
+
+    Neighbouring points of a straight edge lie a little in and out: as an outline they would be a zigzag. What is filled
+    is at most α·(1 − √3/2) deep.
+    """
+    for _ in range(FILLINGS):
+        before, after = np.concatenate([ring[-1:], ring[:-1]]), following(ring)
+        apart = after - before
+        notch = (cross(ring - before, after - ring) < 0) & (np.hypot(apart[:, 0], apart[:, 1]) <= alpha_m)
+        notch[1:] &= ~notch[:-1]  # never two neighbours at once
+        if not notch.any():
+            break
+        ring = ring[~notch]
+    return ring

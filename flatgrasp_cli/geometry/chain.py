@@ -57,4 +57,4 @@ class Chain:
         crosses = right[:-1] != right[1:]
         crosses[self.breaks] = False
         above = self.y[:-1] + (x - self.x[:-1]) * self.slope > y
-        return np.asarray((crosses & above).sum(axis=0) % 2 == 1)
+        return np.asarray(np.logical_xor.reduce(crosses & above, axis=0))

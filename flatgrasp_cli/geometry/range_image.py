@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 
 MAX_PIXELS = 4_000_000
 
@@ -34,28 +34,28 @@ class RangeImage:
         x /= np.linalg.norm(x)
         axes = np.stack([x, np.cross(sight, x), sight])
         image = cls(viewpoint, axes, np.zeros(2), spacing_m / distance, np.empty((0, 0)))
-        plane, _ = image._projected(points)
-        low, high = plane.min(axis=0), plane.max(axis=0)
+        x, y, ranges = image._projected(points.T)
+        low, high = np.array([x.min(), y.min()]), np.array([x.max(), y.max()])
         pitch = max(image.pitch, float(np.sqrt(np.prod(high - low) / MAX_PIXELS)))
         rows, columns = (((high - low) / pitch).astype(np.intp) + 3).tolist()
         image = cls(viewpoint, axes, low - pitch, pitch, np.full((rows, columns), np.inf))
-        pixels, ranges = image._pixels(points)
-        np.minimum.at(image.ranges.reshape(-1), pixels, ranges)
+        np.minimum.at(image.ranges.reshape(-1), image._pixels(x, y), ranges)
         return image
 
-    def hides(self, points: FloatArray, margin_m: float) -> BoolArray:
-        """Which `points` (…, 3) lie more than `margin_m` behind what was seen on their ray, or where nothing was."""
-        pixels, ranges = self._pixels(points)
-        nearest = self.ranges.ravel()[pixels]
-        return np.asarray(~np.isfinite(nearest) | (nearest < ranges - margin_m))
+    def nearest(self, columns: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """How far the rays through points, columns (3, n), got, and how far those lie, (n,); +inf for no return."""
+        x, y, ranges = self._projected(columns)
+        return self.ranges.take(self._pixels(x, y)), ranges
 
-    def _projected(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        local = (points - self.viewpoint) @ self.axes.T
-        return local[..., :2] / np.maximum(local[..., 2:], 1e-9), np.linalg.norm(local, axis=-1)
+    def _projected(self, columns: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Image coordinates x and y, and ranges (n,), of points given as columns (3, n)."""
+        x, y, z = self.axes @ (columns - self.viewpoint[:, None])
+        depth = np.maximum(z, 1e-9)
+        return x / depth, y / depth, np.sqrt(x * x + y * y + z * z)
 
-    def _pixels(self, points: FloatArray) -> tuple[IntArray, FloatArray]:
-        """Flat pixel index and range (…) of points (…, 3); those outside fall on the empty rim."""
-        plane, ranges = self._projected(points)
+    def _pixels(self, x: FloatArray, y: FloatArray) -> IntArray:
+        """Flat pixel indices (…); those outside fall on the empty rim."""
         rows, columns = self.ranges.shape
-        index = np.clip((plane - self.corner) / self.pitch, 0, [rows - 1, columns - 1]).astype(np.intp)
-        return index[..., 0] * columns + index[..., 1], ranges
+        row = np.maximum(np.minimum((x - self.corner[0]) / self.pitch, rows - 1), 0).astype(np.intp)
+        column = np.maximum(np.minimum((y - self.corner[1]) / self.pitch, columns - 1), 0).astype(np.intp)
+        return np.asarray(row * columns + column)

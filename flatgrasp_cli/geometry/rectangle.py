@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
@@ -18,10 +19,9 @@ def minimum_area_axis(points: FloatArray) -> FloatArray:
     scipy.spatial.QhullError
         If the points lie on a line.
     """
-    from scipy.spatial import ConvexHull
-
-    outer = _outside_octagon(points)
-    hull = outer[ConvexHull(outer).vertices]
+    middle = points.mean(axis=0)  # OpenCV's single precision is enough close to it
+    corners = cv2.convexHull((points - middle).astype(np.float32), returnPoints=False)
+    hull = points[corners[:, 0]]
     edges = np.roll(hull, -1, axis=0) - hull
     along = edges / np.linalg.norm(edges, axis=1, keepdims=True)
     across = np.column_stack([-along[:, 1], along[:, 0]])
@@ -29,18 +29,3 @@ def minimum_area_axis(points: FloatArray) -> FloatArray:
     best = int(np.argmin(length * width))
     axis: FloatArray = along[best] if length[best] >= width[best] else across[best]
     return axis
-
-
-def _outside_octagon(points: FloatArray) -> FloatArray:
-    """The points (k, 2) that can be on the convex hull: not inside the polygon of the extremes in eight directions.
-
-    Akl & Toussaint's throw-away (Information Processing Letters 7(5), 1978).
-    """
-    angles = np.arange(8) * (np.pi / 4)
-    columns = np.ascontiguousarray(points.T)
-    reach = np.column_stack([np.cos(angles), np.sin(angles)]) @ columns
-    corners = points[reach.argmax(axis=1)]
-    edge = np.roll(corners, -1, axis=0) - corners
-    left = np.column_stack([-edge[:, 1], edge[:, 0]])
-    inside = (left @ columns > (left * corners).sum(axis=1)[:, None]).all(axis=0)
-    return np.asarray(points[~inside])

@@ -31,7 +31,7 @@ def force_balance(fingers: FingerCandidates) -> FloatArray:
     """
     rows, columns = opposing_candidates(fingers)
     cosine = -fingers.direction[rows] @ fingers.direction[columns].T
-    return np.asarray(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
+    return np.asarray(np.degrees(np.arccos(np.minimum(np.maximum(cosine, -1.0), 1.0))))
 
 
 def distinct(fingers: FingerCandidates, rows: IntArray, columns: IntArray) -> BoolArray:
@@ -56,10 +56,10 @@ def weigh(fingers: FingerCandidates, i: IntArray, j: IntArray, gamma_deg: FloatA
     The arm is the torque of the two unit forces about the midpoint, (d/2)·|sin a_i + sin a_j|, in metres; required
     friction is tan(max(|a_i|, |a_j|)), infinite where a finger would have to pull.
     """
-    apart = fingers.contact[j] - fingers.contact[i]
-    distance = np.linalg.norm(apart, axis=1)
+    apart = fingers.contact.take(j, axis=0) - fingers.contact.take(i, axis=0)
+    distance = np.hypot(apart[:, 0], apart[:, 1])
     e = apart / np.where(distance > 0, distance, 1.0)[:, None]
-    n_i, n_j = fingers.direction[i], fingers.direction[j]
+    n_i, n_j = fingers.direction.take(i, axis=0), fingers.direction.take(j, axis=0)
     sines = np.stack([cross(e, n_i), -cross(e, n_j)])
     cosines = np.stack([dot(e, n_i), -dot(e, n_j)])
     tangents = np.where(cosines > 0, np.abs(sines) / np.where(cosines > 0, cosines, 1.0), np.inf)

@@ -12,23 +12,27 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
-from flatgrasp_cli.geometry.polygon import left_normal
-from flatgrasp_cli.geometry.range_image import RangeImage
+from flatgrasp_cli.geometry.polygon import dot, left_normal
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates
 from flatgrasp_cli.planner.funnel import Funnel
 from flatgrasp_cli.planner.hand import Fit, centers, openings
+from flatgrasp_cli.planner.view import View
 from flatgrasp_cli.profiles.gripper import Gripper
-from flatgrasp_cli.profiles.settings import HandSettings, PlannerSettings
+from flatgrasp_cli.profiles.settings import DepthSettings, HandSettings, PlannerSettings
 
 PALM_CELL_M = 0.005
-WALL_INWARD_M = (0.001, 0.002, 0.003, 0.004, 0.005)
+WALL_INWARD_M = np.array([0.001, 0.002, 0.003, 0.004, 0.005])
 """How far in from the outline the top of the wall that a pad rests on is looked for."""
-FLANK_OUTWARD_M = (0.002, 0.003, 0.004)
-ALONG_PAD = (-0.4, -0.2, 0.0, 0.2, 0.4)
+NEAR_PLACES = 3
+"""Of those the ones that are seen at the boundary."""
+FLANK_OUTWARD_M = np.array([0.002, 0.003, 0.004])
+ALONG_PAD = np.array([-0.4, -0.2, 0.0, 0.2, 0.4])
 """Places along a pad, in widths of it."""
 AT_CONTACT_M = 0.005
 """So near to the pad what is seen may be the object that it rests on."""
 MARGINS = 4
+MAX_PAIRS = 200_000
+"""Hands × cells worked on at once: as much as stays in a processor's cache."""
 LOWER_M = 0.001
 """A smaller opening must let the fingertips down by more than this to be chosen."""
 
@@ -51,7 +55,7 @@ class Terrain:
     rest: HeightMap
     fine: HeightMap
     whole: HeightMap
-    view: RangeImage
+    view: View
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,31 +88,35 @@ def at_mid_height(fit: Fit, gripper: Gripper, settings: HandSettings) -> Landing
 
 def upright(fingers: FingerCandidates, terrain: Terrain, wall_drop: float) -> BoolArray:
     """Which candidates (m,) stand before a wall, and not on a flank that goes on outward below the slice's level."""
-    outward = _pad_places(fingers, [-distance for distance in FLANK_OUTWARD_M])
-    drop = terrain.level_m - np.maximum(terrain.rest.at(outward), 0.0)
-    steep = drop >= wall_drop * np.array(FLANK_OUTWARD_M)[:, None]
-    return np.asarray(steep.mean(axis=(1, 2)) >= 0.5)
+    below = terrain.rest.over(*pad_places(fingers, -FLANK_OUTWARD_M, ALONG_PAD))
+    drop = terrain.level_m - np.maximum(below, 0.0)
+    steep = drop >= wall_drop * FLANK_OUTWARD_M[:, None, None]
+    return np.asarray(steep.mean(axis=(0, 1)) >= 0.5)
 
 
-def wall_tops(fingers: FingerCandidates, terrain: Terrain) -> FloatArray:
-    """Height (m,) over the plane of the wall before each candidate: typical of the places along the pad."""
-    tops = terrain.surface.at(_pad_places(fingers, WALL_INWARD_M)).max(axis=1)
-    return np.asarray(np.median(np.where(np.isfinite(tops), tops, terrain.level_m), axis=1))
+def _walls(fingers: FingerCandidates, terrain: Terrain) -> tuple[FloatArray, FloatArray]:
+    """Heights (m,) over the plane: of the top of the wall before each candidate, and of what was seen at its boundary.
+
+    The first is typical of the places along the pad, the second a mean; the slice's level where nothing was seen.
+    """
+    heights = terrain.surface.over(*pad_places(fingers, WALL_INWARD_M, ALONG_PAD))  # (distances, places, m)
+    tops = heights.max(axis=0)
+    top = np.sort(np.where(np.isfinite(tops), tops, terrain.level_m), axis=0)[len(ALONG_PAD) // 2]
+    near = heights[:NEAR_PLACES]
+    known = np.isfinite(near)
+    count = known.sum(axis=(0, 1))
+    total = np.where(known, near, 0.0).sum(axis=(0, 1))
+    return top, np.where(count > 0, total / np.maximum(count, 1), terrain.level_m)
 
 
-def _seen_heights(fingers: FingerCandidates, terrain: Terrain) -> FloatArray:
-    """Mean height (m,) of what was seen at each candidate's boundary; the slice's level where nothing was."""
-    seen = terrain.surface.at(_pad_places(fingers, WALL_INWARD_M[:3])).reshape(len(fingers), -1)
-    known = np.isfinite(seen)
-    total = np.where(known, seen, 0.0).sum(axis=1)
-    return np.where(known.any(axis=1), total / np.maximum(known.sum(axis=1), 1), terrain.level_m)
-
-
-def _pad_places(fingers: FingerCandidates, inward: tuple[float, ...] | list[float]) -> FloatArray:
-    """Points (m, len(inward), 5, 2) `inward` of each candidate's chord, at places along it."""
-    along = fingers.end - fingers.start
-    places = fingers.contact[:, None, :] + np.array(ALONG_PAD)[:, None] * along[:, None, :]
-    return np.asarray(places[:, None] + np.array(inward)[:, None, None] * fingers.direction[:, None, None, :])
+def pad_places(fingers: FingerCandidates, inward: FloatArray, along: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """X and y (inward, along, m) of places so far `inward` of each candidate's chord and at such shares along it."""
+    way = fingers.end - fingers.start
+    x, y = (
+        fingers.contact[:, k] + along[:, None] * way[:, k] + (inward[:, None] * fingers.direction[:, k])[:, None]
+        for k in (0, 1)
+    )
+    return x, y
 
 
 def land(
@@ -124,16 +132,16 @@ def land(
     depth = settings.depth
     margins = _margins(fit, gripper, settings)
     below, unseen = _under_fingers(fingers, pairs, fit, margins, (terrain, gripper, settings.hand.clearance_m))
-    palm = _under_palm(centers(fingers, pairs, fit), pairs.axis, terrain, gripper)
-    tips = np.where(below > terrain.ground_m, below + depth.obstacle_clearance_m, terrain.lowest_m)
-    tips = np.maximum(tips, palm + depth.palm_clearance_m - gripper.finger_length_m)
-    tips = np.maximum(tips, max(terrain.lowest_m, terrain.level_m - depth.slice_step_m))  # deeper is a lower slice's
+    deepest = deepest_tip(terrain, depth)
+    headroom = gripper.finger_length_m - depth.palm_clearance_m
+    palm = _under_palm(centers(fingers, pairs, fit), pairs.axis, terrain.whole, deepest + headroom, gripper)
+    tips = np.where(below > terrain.ground_m, below + depth.obstacle_clearance_m, deepest)
+    tips = np.maximum(tips, np.maximum(palm - headroom, deepest))
     choice = np.argmax(tips <= tips.min(axis=0) + LOWER_M, axis=0)  # widest of those that let the tips down
     columns = np.arange(len(pairs))
-    tops = wall_tops(fingers, terrain)
+    tops, seen = _walls(fingers, terrain)
     top = np.minimum(tops[pairs.i], tops[pairs.j])
     tip, margin = tips[choice, columns], margins[choice, columns]
-    seen = _seen_heights(fingers, terrain)
     touch = np.clip(np.maximum(seen[pairs.i], seen[pairs.j]), tip, np.maximum(top, tip))
     landing = Landing(fit.width + 2 * margin, tip, top - tip, margin, unseen[choice, columns], touch)
     need = np.minimum(depth.min_grip_m, 0.5 * np.maximum(top, 0.0))
@@ -150,12 +158,17 @@ def land(
     return pairs.select(kept), fit.select(kept), landing.select(kept)
 
 
+def deepest_tip(terrain: Terrain, settings: DepthSettings) -> float:
+    """How low fingertips may go for a slice, over the plane: deeper is a lower slice's."""
+    return max(terrain.lowest_m, terrain.level_m - settings.slice_step_m)
+
+
 def _margins(fit: Fit, gripper: Gripper, settings: PlannerSettings) -> FloatArray:
     """Free space (MARGINS, p) beside each pad to come with: from what is aimed at down to the least."""
     room = fit.room.min(axis=0) - gripper.finger_thickness_m
     most = np.minimum(np.minimum(room, settings.hand.preshape_m), 0.5 * (gripper.max_opening_m - fit.width))
     least = np.minimum(settings.hand.clearance_m, most)
-    return np.asarray(np.linspace(most, least, MARGINS))
+    return np.asarray(most + np.linspace(0.0, 1.0, MARGINS)[:, None] * (least - most))
 
 
 def _under_fingers(
@@ -169,37 +182,50 @@ def _under_fingers(
     terrain, gripper, clearance_m = world
     cell = terrain.rest.cell_m
     out = np.arange(0.5 * cell, float(margins.max()) + gripper.finger_thickness_m + cell, cell)
+    at_contact = np.searchsorted(out, AT_CONTACT_M)
     middle, across = centers(fingers, pairs, fit), left_normal(pairs.axis)
-    half = 0.5 * fit.width
-    count = len(out)
-    reach = np.clip(np.ceil((margins + gripper.finger_thickness_m) / cell).astype(np.intp) - 1, 0, count - 1)
+    reach = np.ceil((margins + gripper.finger_thickness_m) / cell).astype(np.intp) - 1
+    reach = np.maximum(np.minimum(reach, len(out) - 1), 0)
+    columns = np.arange(len(pairs))
     highest, hidden = np.full(margins.shape, UNSEEN), np.zeros(margins.shape)
     across_finger = _steps(gripper.finger_width_m + 2 * clearance_m, cell)
     for side, sign in ((0, -1.0), (1, 1.0)):
         x = np.concatenate([offset + across_finger for offset in gripper.jaws[side]])
-        begin = middle[None] + (sign * half[:, None] * pairs.axis)[None] + x[:, None, None] * across[None]
-        rows_max, rows_hidden = np.empty((count, len(pairs))), np.empty((count, len(pairs)))
-        for k, distance in enumerate(out):
-            chart = terrain.rest if distance < AT_CONTACT_M else terrain.fine
-            heights = chart.at(begin + sign * distance * pairs.axis)
-            rows_max[k] = heights.max(axis=0)
-            rows_hidden[k] = (heights == UNSEEN).mean(axis=0)
-        rows_max = np.maximum.accumulate(rows_max, axis=0)
-        rows_hidden = np.cumsum(rows_hidden, axis=0) * cell
-        highest = np.maximum(highest, np.take_along_axis(rows_max, reach, axis=0))
-        hidden = hidden + np.take_along_axis(rows_hidden, reach, axis=0)
+        begin = middle + (sign * 0.5 * fit.width)[:, None] * pairs.axis
+        x_of, y_of = (
+            (begin[:, k] + x[:, None] * across[:, k]).astype(np.float32)
+            + (sign * out[:, None] * pairs.axis[:, k]).astype(np.float32)[:, None]
+            for k in (0, 1)
+        )
+        cells = terrain.rest.cells(x_of, y_of)  # (out, across, p)
+        heights = np.concatenate(
+            [terrain.rest.heights.take(cells[:at_contact]), terrain.fine.heights.take(cells[at_contact:])]
+        )
+        most = np.maximum.accumulate(heights.max(axis=1), axis=0)
+        dark = np.cumsum(np.add.reduce(heights == UNSEEN, axis=1, dtype=np.uint16), axis=0) * (cell / len(x))
+        highest = np.maximum(highest, most[reach, columns])
+        hidden += dark[reach, columns]
     return highest, hidden
 
 
-def _under_palm(middle: FloatArray, axis: FloatArray, terrain: Terrain, gripper: Gripper) -> FloatArray:
-    """Highest point (p,) below the palm."""
-    if float(terrain.whole.heights.max()) <= terrain.lowest_m + gripper.finger_length_m - PALM_CELL_M:
-        return np.full(len(middle), UNSEEN)  # fingers longer than anything here is high
-    across = left_normal(axis)
+def _under_palm(middle: FloatArray, axis: FloatArray, chart: HeightMap, least_m: float, gripper: Gripper) -> FloatArray:
+    """Highest point (p,) below the palm where that is higher than `least_m`: what is lower is not in its way."""
     highest = np.full(len(middle), UNSEEN)
-    for y in _steps(gripper.palm_m, terrain.whole.cell_m):
-        for x in _steps(gripper.hand_width_m, terrain.whole.cell_m):
-            highest = np.maximum(highest, terrain.whole.at(middle + x * across + y * axis))
+    reach = 0.5 * np.array([gripper.hand_width_m, gripper.palm_m]) + 0.5 * chart.cell_m
+    tall = chart.higher_than(least_m)
+    x, y, _ = tall.T
+    (left, low), (right, high) = middle.min(axis=0) - reach.sum(), middle.max(axis=0) + reach.sum()
+    tall = tall[(x > left) & (x < right) & (y > low) & (y < high)]
+    tall = tall[np.argsort(-tall[:, 2], kind="stable")]
+    if len(tall) == 0:
+        return highest  # fingers longer than anything here is high
+    across = left_normal(axis)
+    for first in range(0, len(middle), size := max(1, MAX_PAIRS // len(tall))):
+        part = slice(first, first + size)
+        x = across[part] @ tall[:, :2].T - dot(across[part], middle[part])[:, None]
+        y = axis[part] @ tall[:, :2].T - dot(axis[part], middle[part])[:, None]
+        inside = (np.abs(x) <= reach[0]) & (np.abs(y) <= reach[1])
+        highest[part] = np.where(inside.any(axis=1), tall[inside.argmax(axis=1), 2], UNSEEN)
     return highest
 
 

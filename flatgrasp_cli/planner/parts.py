@@ -15,33 +15,44 @@ from flatgrasp_cli.planner.depth import PALM_CELL_M, Terrain
 from flatgrasp_cli.planner.main_plane import oriented_box
 from flatgrasp_cli.planner.silhouette import spacing
 from flatgrasp_cli.planner.slices import lowest_tip, slices
+from flatgrasp_cli.planner.view import View
 from flatgrasp_cli.profiles.settings import PlannerSettings
 
 PIXEL_CELLS = 1.5
 """Pixels of the range image, in cells: hardly one is empty where there is something."""
-CALM_CELL_M = 0.025
+FINGERS_M = 0.12
+"""How far beyond an object fingers may come down beside it."""
+FLOOR_M = 0.3
+"""The support plane farther than this from a standing object's middle cannot meet the hand."""
 MIN_CELL_M = 0.002
 """Cells of height maps: the points' spacing, but no smaller than what matters to a finger."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Part:
-    """Points (n, 3) of an object, the frame to project them to, and the terrain they stand in (None: seen alone)."""
+    """Points (n, 3) of an object, the frame to project them to, and the terrain they stand in (None: seen alone).
+
+    `spacing_m` is how far apart they then lie, where that is known.
+    """
 
     box: OrientedBox
     frame: Frame
     points: FloatArray
     terrain: Terrain | None = None
+    spacing_m: float | None = None
 
 
 def sliced(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, settings: PlannerSettings) -> list[Part]:
     """The object's slices, in a frame whose origin is the box's centre brought down to the support plane."""
     frame = replace(box.frame, origin=box.frame.origin - support.heights(box.frame.origin) * support.normal)
-    local, obstacles, free = (frame.to_local(points) for points in (cloud.points, cloud.obstacles, cloud.free))
-    free[:, 2] = _calmed(free)
-    cell_m = max(MIN_CELL_M, spacing(local[:, :2]))
+    local, obstacles = frame.to_local(cloud.points), frame.to_local(cloud.obstacles)
+    spacing_m = spacing(local[:, :2])
+    cell_m = max(MIN_CELL_M, spacing_m)
+    others = HeightMap.around(local, cell_m, FINGERS_M).raised(obstacles)
+    if cloud.floor is not None:
+        others = others.filled(cloud.floor.levels, frame, cloud.floor.frame)
+    fine = others.raised(local)
     whole = HeightMap.of(np.concatenate([local, obstacles]), max(PALM_CELL_M, cell_m))
-    fine = HeightMap.of(np.concatenate([local, obstacles, free]), cell_m)
     lowest = lowest_tip(local[:, 2], settings.depth)
     view = _view(cloud, frame, cell_m)
     average, ground = fine.averaged(local), settings.depth.min_clearance_m
@@ -49,22 +60,19 @@ def sliced(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, settings
     for piece in slices(local, cell_m, settings.depth):
         apart = np.ones(len(local), dtype=np.bool_)
         apart[piece.rows] = False
-        rest = HeightMap.of(np.concatenate([local[apart], obstacles, free]), cell_m)
         surface = fine.averaged(local[piece.rows])
+        rest = others.raised(local[apart])
         terrain = Terrain(piece.level_m, lowest, ground, surface, average, rest, fine, whole, view)
-        parts.append(Part(box, frame, cloud.points[piece.rows], terrain))
+        whole_object = len(piece.rows) == len(local)
+        points = cloud.points if whole_object else cloud.points[piece.rows]
+        parts.append(Part(box, frame, points, terrain, spacing_m if whole_object else None))
     return parts
 
 
-def _view(cloud: ObjectCloud, frame: Frame, cell_m: float) -> RangeImage:
-    points = frame.to_local(np.concatenate([cloud.points, cloud.obstacles, cloud.free]))
-    return RangeImage.of(points, frame.to_local(cloud.viewpoint), PIXEL_CELLS * cell_m)
-
-
-def _calmed(free: FloatArray) -> FloatArray:
-    """Heights (k,) of the plane's points, averaged around each: a point's own is mostly noise, a pan's floor is not."""
-    chart = HeightMap.of(free, CALM_CELL_M).averaged(free)
-    return chart.at(free[:, :2])
+def _view(cloud: ObjectCloud, frame: Frame, cell_m: float) -> View:
+    points = frame.to_local(np.concatenate([cloud.points, cloud.obstacles]))
+    image = RangeImage.of(points, frame.to_local(cloud.viewpoint), PIXEL_CELLS * cell_m)
+    return View(image, frame, cloud.floor)
 
 
 def standing(cloud: ObjectCloud, box: OrientedBox, settings: PlannerSettings) -> Part | None:
@@ -79,7 +87,9 @@ def standing(cloud: ObjectCloud, box: OrientedBox, settings: PlannerSettings) ->
     if own is None:
         return None
     frame = replace(own.frame, origin=own.frame.origin - 0.5 * own.size[2] * own.frame.axes[2])
-    local, others = frame.to_local(cloud.points), frame.to_local(np.concatenate([cloud.obstacles, cloud.free]))
+    floor = cloud.floor.points if cloud.floor is not None else np.empty((0, 3))
+    floor = floor[np.abs(floor - own.frame.origin).max(axis=1) < FLOOR_M]
+    local, others = frame.to_local(cloud.points), frame.to_local(np.concatenate([cloud.obstacles, floor]))
     cell_m = max(MIN_CELL_M, spacing(local[:, :2]))
     fine = HeightMap.of(np.concatenate([local, others]), cell_m)
     whole = HeightMap.of(np.concatenate([local, others]), max(PALM_CELL_M, cell_m))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
@@ -22,7 +24,7 @@ from flatgrasp_cli.model import (
 from flatgrasp_cli.planner.allen import point_finger_grasps
 from flatgrasp_cli.planner.balance import force_balance, force_balanced, torque_balanced
 from flatgrasp_cli.planner.certification import certified, is_caged
-from flatgrasp_cli.planner.depth import Landing, at_mid_height, land, upright
+from flatgrasp_cli.planner.depth import Landing, at_mid_height, deepest_tip, land, upright
 from flatgrasp_cli.planner.fingers import finger_candidates, inward_directions, step_points
 from flatgrasp_cli.planner.funnel import Funnel, NothingLeft
 from flatgrasp_cli.planner.gravity import RankingCost, best_first, landing_cost, ranking_cost
@@ -56,10 +58,26 @@ def plan_object(cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings,
             return _plan_part(cloud, part, gripper, settings, top)
         return certified(_plan_part(cloud, part, gripper, settings, settings.caging.considered), gripper, settings, top)
 
-    best = min(map(planned, parts), key=_best_first)
+    best = min(map(planned, parts), key=_best_first) if cages_decide else _cheapest(parts, planned, settings)
     side = standing(cloud, box, settings) if cloud.support is not None and not best.grasps else None
     best = best if side is None else min(best, planned(side), key=_best_first)
     return best if cages_decide else certified(best, gripper, settings, top)
+
+
+def _cheapest(parts: list[Part], planned: Callable[[Part], ObjectPlan], settings: PlannerSettings) -> ObjectPlan:
+    """The plan of the part with the cheapest grasp.
+
+    No term of the cost is negative and one grows with the fingertips' height, so a part that stands high need not be
+    planned once a lower one has a grasp that costs less than its height alone.
+    """
+    whole, *others = parts
+    best = planned(whole)
+    for part in others:
+        height_m = deepest_tip(part.terrain, settings.depth) if part.terrain else 0.0
+        least = best.grasps[0].cost_m if best.grasps else np.inf
+        if settings.gravity.level_weight * height_m <= least:
+            best = min(best, planned(part), key=_best_first)
+    return best
 
 
 def _best_first(plan: ObjectPlan) -> tuple[bool, float, int]:
@@ -91,7 +109,7 @@ def _section_three(
     funnel, trace = notes
     box, terrain = part.box, part.terrain
     # A.1 is the box and its main plane; A.2 the silhouette
-    outline = trace.silhouette = silhouette(part.points, part.frame, settings.silhouette)
+    outline = trace.silhouette = silhouette(part.points, part.frame, settings.silhouette, part.spacing_m)
     funnel.count("silhouette", len(outline.loops), "the points are too scattered for an outline")
     if settings.method == "allen":
         grasps = point_finger_grasps(outline, terrain.lowest_m if terrain else 0.0, settings)
@@ -161,30 +179,32 @@ def _grasps(
     heights = np.repeat(landing.touch[:, None, None], 2, axis=1)
     contacts = frame.to_world(np.concatenate([touched, heights], axis=2))
     hand_x, hand_y = left_normal(pairs.axis) @ frame.axes[:2], pairs.axis @ frame.axes[:2]
-    variance = fingers.variance[pairs.i] + fingers.variance[pairs.j]
-    arc_ratio = np.maximum(fingers.arc_ratio[pairs.i], fingers.arc_ratio[pairs.j])
+    columns = {
+        "opening_m": landing.opening,
+        "width_m": fit.width,
+        "force_balance_deg": pairs.force_balance_deg,
+        "torque_arm_m": pairs.torque_arm_m,
+        "required_friction": pairs.required_friction,
+        "variance_m": fingers.variance[pairs.i] + fingers.variance[pairs.j],
+        "gravity_distance_m": ranking.distance,
+        "inside_share": ranking.inside_share,
+        "arc_ratio": np.maximum(fingers.arc_ratio[pairs.i], fingers.arc_ratio[pairs.j]),
+        "cost_m": cost,
+    }
+    if on_support:
+        columns |= {"tip_height_m": landing.tip, "grip_m": landing.grip, "unseen_m": landing.unseen}
+    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+    places = zip(pairs.i.tolist(), pairs.j.tolist(), strict=True)
     return tuple(
         Grasp(
             rank=k + 1,
             position=position[k],
             orientation=quaternion_from_axes(np.stack([hand_x[k], hand_y[k], -frame.axes[2]])),
-            opening_m=float(landing.opening[k]),
-            width_m=float(fit.width[k]),
             contacts=contacts[k],
-            fingers=(int(pairs.i[k]), int(pairs.j[k])),
-            force_balance_deg=float(pairs.force_balance_deg[k]),
-            torque_arm_m=float(pairs.torque_arm_m[k]),
-            required_friction=float(pairs.required_friction[k]),
-            variance_m=float(variance[k]),
-            gravity_distance_m=float(ranking.distance[k]),
-            inside_share=float(ranking.inside_share[k]),
-            arc_ratio=float(arc_ratio[k]),
-            cost_m=float(cost[k]),
-            tip_height_m=float(landing.tip[k]) if on_support else None,
-            grip_m=float(landing.grip[k]) if on_support else None,
-            unseen_m=float(landing.unseen[k]) if on_support else None,
+            fingers=place,
+            **dict(zip(columns, row, strict=True)),
         )
-        for k in range(len(pairs))
+        for k, (place, row) in enumerate(zip(places, rows, strict=True))
     )
 
 

@@ -14,7 +14,7 @@ from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
 from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.geometry.polygon import dot
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates
-from flatgrasp_cli.planner.depth import Terrain
+from flatgrasp_cli.planner.depth import Terrain, pad_places
 from flatgrasp_cli.planner.funnel import Funnel
 
 OUTWARD_M = (0.003, 0.005, 0.007)
@@ -47,7 +47,10 @@ def seen_sides(fingers: FingerCandidates, terrain: Terrain) -> FingerCandidates:
     open_sides = (share <= HOLE_SHARE) | (fingers.loop == 0)
     fingers, shadowed = fingers.select(open_sides), share[open_sides] > SHADOW_SHARE
     hidden = hidden_extent(fingers, terrain.surface, shadowed, terrain.view.viewpoint)
-    return replace(fingers, hidden=hidden, seen=~shadowed | ~_front_only(fingers, terrain))
+    seen = ~shadowed
+    rows = np.flatnonzero(shadowed)
+    seen[rows] = ~_front_only(fingers.select(rows), terrain)
+    return replace(fingers, hidden=hidden, seen=seen)
 
 
 def of_known_thickness(fingers: FingerCandidates, pairs: GraspCandidates, funnel: Funnel) -> GraspCandidates:
@@ -62,23 +65,21 @@ def of_known_thickness(fingers: FingerCandidates, pairs: GraspCandidates, funnel
 
 def _front_only(fingers: FingerCandidates, terrain: Terrain) -> BoolArray:
     """Which candidates (m,) have an upright face before them and not the top of the object."""
-    mean = _profiles(fingers, terrain.average, TOP_M)
+    x, y = pad_places(fingers, TOP_M, ACROSS)
+    mean = terrain.average.over(x, y)
     known = np.isfinite(mean)
-    spread = np.where(known, _profiles(fingers, terrain.fine, TOP_M) - np.where(known, mean, 0.0), 0.0)
-    total = spread.sum(axis=(1, 2))
-    return np.asarray(total > FACE_M * np.maximum(known.sum(axis=(1, 2)), 1))
+    spread = np.where(known, terrain.fine.over(x, y) - np.where(known, mean, 0.0), 0.0)
+    return np.asarray(spread.sum(axis=(0, 1)) > FACE_M * np.maximum(known.sum(axis=(0, 1)), 1))
 
 
 def hidden_share(fingers: FingerCandidates, terrain: Terrain) -> FloatArray:
     """Share (m,) of the space before each candidate, where the finger comes down, that the sensor did not see."""
-    along = fingers.end - fingers.start
-    places = fingers.contact[:, None, :] + ACROSS[:, None] * along[:, None, :]
-    outward = places[:, None] - np.array(OUTWARD_M)[:, None, None] * fingers.direction[:, None, None, :]
-    hidden = [
-        terrain.view.hides(np.concatenate([outward, np.full((*outward.shape[:-1], 1), height)], axis=-1), BEHIND_M)
-        for height in terrain.level_m + np.array(HEIGHTS_M)
-    ]
-    return np.asarray(np.mean(hidden, axis=(0, 2, 3)))
+    x, y = pad_places(fingers, -np.array(OUTWARD_M), ACROSS[::2])
+    levels = terrain.level_m + np.array(HEIGHTS_M)
+    points = np.empty((3, len(levels), *x.shape))
+    points[0], points[1], points[2] = x, y, levels[:, None, None, None]
+    hidden = terrain.view.hides(points.reshape(3, -1), BEHIND_M).reshape(-1, len(fingers))
+    return np.asarray(np.count_nonzero(hidden, axis=0) / len(hidden))
 
 
 def hidden_extent(
@@ -95,11 +96,11 @@ def hidden_extent(
     rows = np.flatnonzero(shadowed)
     if len(rows) == 0:
         return extent
-    profiles = _profiles(fingers.select(rows), surface, PROFILE_M)
+    profiles = surface.over(*pad_places(fingers.select(rows), PROFILE_M, ACROSS[::2]))
     known = np.isfinite(profiles)
-    total = np.where(known, profiles, 0.0).sum(axis=2)
-    count = known.sum(axis=2)
-    heights = np.where(count > 0, total / np.maximum(count, 1), np.nan)  # (k, distances)
+    total = np.where(known, profiles, 0.0).sum(axis=1)
+    count = known.sum(axis=1)
+    heights = np.where(count > 0, total / np.maximum(count, 1), np.nan).T  # (k, distances)
     near = PROFILE_M <= LIMB_M
     limb, measured = _line(PROFILE_M[near], heights[:, near])
     slope = _limb_slope(fingers.select(rows), limb, viewpoint)
@@ -119,13 +120,6 @@ def _limb_slope(fingers: FingerCandidates, limb: FloatArray, viewpoint: FloatArr
     away = -dot(ray, fingers.direction)
     fall = np.arctan2(viewpoint[2] - limb, np.maximum(away, 1e-9))
     return np.where(away > 0, np.tan(np.clip(fall - np.radians(LOST_DEG), 0.0, np.radians(85))), 0.0)
-
-
-def _profiles(fingers: FingerCandidates, chart: HeightMap, inward: FloatArray) -> FloatArray:
-    """Heights (m, distances, places) of a map at distances `inward` of each chord, at places along it."""
-    along = fingers.end - fingers.start
-    places = fingers.contact[:, None, :] + ACROSS[:, None] * along[:, None, :]
-    return chart.at(places[:, None] + inward[:, None, None] * fingers.direction[:, None, None, :])
 
 
 def _line(x: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.alpha_shape import CellGrid, alpha_region
@@ -13,40 +14,43 @@ from flatgrasp_cli.model import Silhouette
 from flatgrasp_cli.profiles.settings import SilhouetteSettings
 
 NEIGHBOURS = 6
+KD_TREE = 4
+"""FLANN's name for an exact search in one tree."""
 SPACING_QUANTILE = 0.95
 SPACING_SAMPLES = 300
 MIN_ALPHA_M = 0.003
 ALPHA_GROWTH = 1.5
 
 
-def silhouette(points: FloatArray, frame: Frame, settings: SilhouetteSettings) -> Silhouette:
+def silhouette(
+    points: FloatArray, frame: Frame, settings: SilhouetteSettings, spacing_m: float | None = None
+) -> Silhouette:
     """The concave hull of `points` (n, 3) projected to the main plane, `frame`'s x-y plane: a polygon with holes.
 
+    `spacing_m` is that of the projected points where it is known already.
     α grows until one piece holds the share of the points that the settings ask for; what is detached from it then
     counts for nothing.
     """
     local = frame.to_local(points)
     projected, heights = np.ascontiguousarray(local[:, :2]), local[:, 2]
-    alpha_m = settings.alpha_m or max(MIN_ALPHA_M, 2 * spacing(projected))
-    grid, member = _one_piece(projected, alpha_m, settings.min_coverage)
-    region = alpha_region(grid, member)
+    alpha_m = settings.alpha_m or max(MIN_ALPHA_M, 2 * (spacing_m or spacing(projected)))
+    alpha_m, member = _one_piece(projected, alpha_m, settings.min_coverage)
+    region = alpha_region(projected[member], alpha_m)
     loops = _loops(region, settings) if region is not None else ()
-    return Silhouette(frame, loops, projected, heights, grid.alpha_m, float(member.mean()))
+    return Silhouette(frame, loops, projected, heights, alpha_m, float(member.mean()))
 
 
 def spacing(points: FloatArray) -> float:
     """Distance within which 95 % of `points` (n, 2) have six neighbours, from an even sample of them."""
-    from scipy.spatial import KDTree
-
     sample = points[:: max(1, len(points) // SPACING_SAMPLES)]
     reach = min(NEIGHBOURS + 1, len(points))  # a point is its own nearest neighbour
-    tree = KDTree(points, leafsize=32, balanced_tree=False, compact_nodes=False)  # quick to build: queries are few
-    distances, _ = tree.query(sample, k=[reach])
-    return float(np.quantile(distances, SPACING_QUANTILE))
+    tree = cv2.flann.Index(points.astype(np.float32), {"algorithm": KD_TREE, "leaf_max_size": 16})
+    _, squares = tree.knnSearch(np.ascontiguousarray(sample, dtype=np.float32), reach, params={})
+    return float(np.sqrt(np.sort(squares[:, -1])[round(SPACING_QUANTILE * (len(sample) - 1))]))
 
 
-def _one_piece(points: FloatArray, alpha_m: float, min_share: float) -> tuple[CellGrid, BoolArray]:
-    """The points sorted by an α, no smaller than asked, whose largest piece holds `min_share`; and that piece."""
+def _one_piece(points: FloatArray, alpha_m: float, min_share: float) -> tuple[float, BoolArray]:
+    """An α, no smaller than asked, with which the largest piece of the points holds `min_share`; and that piece."""
     while True:
         try:
             grid = CellGrid(points, alpha_m)
@@ -55,7 +59,7 @@ def _one_piece(points: FloatArray, alpha_m: float, min_share: float) -> tuple[Ce
             continue
         member, share = grid.largest_piece()
         if share >= min_share:
-            return grid, member
+            return alpha_m, member
         alpha_m *= ALPHA_GROWTH
 
 

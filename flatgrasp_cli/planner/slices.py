@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
@@ -38,24 +39,23 @@ def lowest_tip(heights: FloatArray, settings: DepthSettings) -> float:
 
 def slices(local: FloatArray, cell_m: float, settings: DepthSettings) -> list[Slice]:
     """The whole object, and the parts of it that stand out; `local` (n, 3) has heights over the plane as z."""
-    from scipy.ndimage import find_objects, label
-
     lowest = lowest_tip(local[:, 2], settings)
     found = [Slice(lowest, np.arange(len(local)))]
     chart = HeightMap.of(local, cell_m)
-    cell_of = chart.cells_of(local[:, :2])
+    cell_of = chart.cells_of(local)
     below = np.full(chart.heights.shape, np.count_nonzero(np.isfinite(chart.heights)))  # footprint that cells belong to
     taken = np.full(chart.heights.shape, MOST_ALIKE)  # slices with about that footprint
     top = float(np.quantile(local[:, 2], TOP_QUANTILE))
     for level in np.arange(lowest + settings.slice_step_m, top - settings.min_grip_m, settings.slice_step_m):
-        labels, count = label(chart.heights > level, structure=np.ones((3, 3)))
+        _, labels, boxes, _ = cv2.connectedComponentsWithStats((chart.heights > level).view(np.uint8), connectivity=8)
         piece = np.where(local[:, 2] > level, labels.ravel()[cell_of], 0)
-        points = np.bincount(piece, minlength=count + 1)
-        for name, box in enumerate(find_objects(labels), start=1):
+        points = np.bincount(piece, minlength=len(boxes))
+        for name in (1 + np.flatnonzero(points[1:] >= MIN_POINTS)).tolist():
+            left, upper, width, height, footprint = boxes[name].tolist()
+            box = slice(upper, upper + height), slice(left, left + width)
             part = labels[box] == name
-            footprint = int(part.sum())
             alike = footprint >= SAME_FOOTPRINT * below[box][part].min()
-            if points[name] < MIN_POINTS or (alike and taken[box][part].min() >= MOST_ALIKE):
+            if alike and taken[box][part].min() >= MOST_ALIKE:
                 continue
             taken[box][part] = taken[box][part] + 1 if alike else 1
             below[box][part] = footprint

@@ -5,13 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import cv2
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.frames import Frame
-from flatgrasp_cli.model import SupportPlane
+from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
+from flatgrasp_cli.model import Floor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
-from flatgrasp_cli.scene.raster import LEVEL_WINDOW_M, Raster, fitting_cell_m, rasterise, smoothed
+from flatgrasp_cli.scene.raster import LEVEL_WINDOW_M, Grid, Raster, fitting_cell_m, smoothed
 
 PLANE_SIGMAS = 3.0
 POINT_SIGMAS = 2.5
@@ -24,6 +26,9 @@ RING_M = 0.04
 RIM_M = 0.015
 """An object's middle lies at least this far inside the convex hull of the plane: what stands at its edge is cut off."""
 MIN_POINTS = 30
+GRID_SAMPLE, SCATTER_SAMPLE = 50_000, 10_000
+BLOCK = 16_384
+CALM_WINDOW_M = 0.025
 MARGIN_M = 0.1
 """Points farther beyond the support plane's own are not looked at: a room behind the table."""
 SECTORS, MIN_SECTORS = 16, 5
@@ -34,65 +39,106 @@ LEAST_OUTSIDE = 0.3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Clusters:
-    """Indices of the points of each object, of those above the plane that belong to none, and of the plane's own.
+    """Indices of the points of each object, and of those above the plane that belong to none; and the plane itself.
 
-    `lie_on_table` says whether there are objects, and enough of the plane around them not to be part of one;
-    `extent_m` is the plane's diagonal.
+    `floor` is what was seen of the plane with nothing on it. `lie_on_table` says whether there are objects, and enough
+    of the plane around them not to be part of one; `extent_m` is the plane's diagonal.
     """
 
     members: tuple[IntArray, ...]
     clutter: IntArray
-    table: IntArray
+    floor: Floor
     lie_on_table: bool
     extent_m: float
 
 
 def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettings) -> Clusters:
     """Objects among `points` (n, 3) that stand on `plane`, largest first."""
-    from scipy.ndimage import label
-
-    heights = plane.heights(points)
-    planar = plane_frame(plane).to_local(points)[:, :2]
-    flat = np.abs(heights) < PLANE_SIGMAS * plane.noise_m
-    low, high = planar[flat].min(axis=0) - MARGIN_M, planar[flat].max(axis=0) + MARGIN_M
-    near = np.flatnonzero(((planar > low) & (planar < high)).all(axis=1) & (heights > -PLANE_SIGMAS * plane.noise_m))
-    planar, heights, flat = planar[near], heights[near], flat[near]
-
-    raster = rasterise(planar, fitting_cell_m(planar[flat]))
-    own = raster.mean(np.minimum(heights, HIGH_M))
+    frame = plane_frame(plane)
+    raster, heights = _sorted(points, frame, _grid(points, frame, plane.noise_m), -PLANE_SIGMAS * plane.noise_m)
+    total = raster.total(heights)
+    own = total / np.maximum(raster.count, 1)
     table = _largest((raster.count > 0) & (np.abs(own) < PLANE_SIGMAS * plane.noise_m))
     standing = _standing(raster, own, table, plane.noise_m, settings)
-    labels, _ = label(_bridged(standing, settings.gap_m / raster.cell_m), structure=np.ones((3, 3)))
-    labels = np.where(standing, labels, 0)
+    labels = _labels(_bridged(standing, settings.gap_m / raster.grid.cell_m)) * standing
     chosen = _objects(raster, labels, table, settings)
 
-    least = np.minimum(POINT_SIGMAS * plane.noise_m, 0.5 * own).ravel()[raster.cell]
-    piece = np.where(heights > least, labels.ravel()[raster.cell], 0)  # the plane's points at an object's edge
-    member = np.isin(piece, chosen)
+    # from here on only the points in cells that stand out, a few of all
+    rows = np.flatnonzero(standing.take(raster.cell))
+    cell = raster.cell[rows]
+    rows = rows[heights[rows] > np.minimum(POINT_SIGMAS * plane.noise_m, 0.5 * own.ravel()[cell])]
+    piece = labels.ravel()[raster.cell[rows]]  # without the plane's points at an object's edge
     return Clusters(
-        members=tuple(near[piece == name] for name in chosen),
-        clutter=near[(piece > 0) & ~member],
-        table=near[piece == 0],
+        members=tuple(rows[piece == name] for name in chosen),
+        clutter=rows[~np.isin(piece, chosen)],
+        floor=_floor(frame, raster, total, (rows, heights[rows])),
         lie_on_table=bool(chosen) and _outside_share(labels, chosen, table) >= LEAST_OUTSIDE,
-        extent_m=float(raster.cell_m * np.hypot(*np.ptp(np.argwhere(table), axis=0))),
+        extent_m=float(raster.grid.cell_m * np.hypot(*_span(table))),
     )
+
+
+def _grid(points: FloatArray, frame: Frame, noise_m: float) -> Grid:
+    """Cells for the plane and a margin around it, as far as there are points, by an even sample of them."""
+    every = max(1, len(points) // GRID_SAMPLE)
+    x, y, heights = frame.to_local(np.ascontiguousarray(points[::every])).T
+    flat = np.abs(heights) < PLANE_SIGMAS * noise_m
+    sides = [(x, x[flat]), (y, y[flat])]
+    low = np.array([max(every_one.min(), own.min() - MARGIN_M) for every_one, own in sides])
+    high = np.array([min(every_one.max(), own.max() + MARGIN_M) for every_one, own in sides])
+    return Grid.over(low, high, fitting_cell_m(x[flat], y[flat], every))
+
+
+def _sorted(points: FloatArray, frame: Frame, grid: Grid, lowest_m: float) -> tuple[Raster, FloatArray]:
+    """All points above `lowest_m` sorted into the grid, and the heights (n,) of all, cut off at `HIGH_M`.
+
+    A frame has hundreds of thousands of points: they are read once, block by block, so that what lies between their
+    coordinates and their cells never leaves the processor's cache.
+    """
+    cell, heights = np.empty(len(points), dtype=np.intp), np.empty(len(points))
+    offset = float(frame.axes[2] @ frame.origin)
+    low, high = grid.origin + grid.cell_m, grid.origin + grid.cell_m * (np.array(grid.shape) - 1)
+    for first in range(0, len(points), BLOCK):
+        part = slice(first, first + BLOCK)
+        block = points[part]
+        x, y, height = block @ frame.axes[0], block @ frame.axes[1], block @ frame.axes[2] - offset
+        near = (x >= low[0]) & (x < high[0]) & (y >= low[1]) & (y < high[1]) & (height > lowest_m)
+        np.multiply(grid.cells(x, y), near, out=cell[part])
+        np.minimum(height, HIGH_M, out=heights[part])
+    return Raster.of(grid, cell), heights
+
+
+def _floor(frame: Frame, raster: Raster, total: FloatArray, above: tuple[IntArray, FloatArray]) -> Floor:
+    """The cells with points of the plane, at the mean height of those around: a point's own is mostly noise.
+
+    `total` is the sum of all heights in each cell, `above` the rows and heights of the points that are not the plane's.
+    """
+    rows, heights = above
+    cell = raster.cell[rows]
+    count = raster.count - np.bincount(cell, minlength=raster.count.size).reshape(raster.count.shape)
+    mean = (total - raster.total(heights, cell)) / np.maximum(count, 1)
+    level = smoothed(mean, count, 2 * round(0.5 * CALM_WINDOW_M / raster.grid.cell_m) + 1)
+    return Floor(frame, HeightMap(raster.grid.origin, raster.grid.cell_m, np.where(count > 0, level, UNSEEN)))
 
 
 def _standing(raster: Raster, own: FloatArray, table: BoolArray, noise_m: float, settings: SceneSettings) -> BoolArray:
     """Which cells stand out of the plane, whose local level ripples: by their surroundings' mean and by their `own`."""
-    window = 2 * round(0.5 * LEVEL_WINDOW_M / raster.cell_m) + 1
+    window = 2 * round(0.5 * LEVEL_WINDOW_M / raster.grid.cell_m) + 1
     smooth = smoothed(own, raster.count, SMOOTH_CELLS) - smoothed(own, table, window)
-    scatter = MAD_TO_SIGMA * float(np.median(np.abs(smooth[table])))
+    ripple = smooth[table]
+    scatter = MAD_TO_SIGMA * float(np.median(np.abs(ripple[:: max(1, len(ripple) // SCATTER_SAMPLE)])))
     threshold = max(settings.min_height_m, settings.noise_factor * scatter)
     sure = POINT_SIGMAS * noise_m / np.sqrt(np.maximum(raster.count, 1))
     return np.asarray((raster.count > 0) & (smooth > threshold) & (own > np.maximum(threshold, sure)))
 
 
-def _bridged(mask: BoolArray, gap_cells: float) -> BoolArray:
-    from scipy.ndimage import binary_dilation
+def _bridged(mask: BoolArray, gap_cells: float) -> ByteArray:
+    cross = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
+    return np.asarray(cv2.dilate(mask.view(np.uint8), cross, iterations=round(0.5 * gap_cells)))
 
-    reach = round(0.5 * gap_cells)
-    return np.asarray(binary_dilation(mask, iterations=reach)) if reach else mask
+
+def _labels(mask: Any) -> IntArray:
+    """Numbers (rows, columns) from 1 for the connected pieces of a mask of bytes."""
+    return np.asarray(cv2.connectedComponents(mask, connectivity=8)[1], dtype=np.int32)
 
 
 def plane_frame(plane: SupportPlane) -> Frame:
@@ -105,31 +151,34 @@ def plane_frame(plane: SupportPlane) -> Frame:
 
 def _largest(mask: BoolArray) -> BoolArray:
     """The largest connected piece of `mask`, gaps of a cell bridged."""
-    from scipy.ndimage import binary_dilation, label
-
-    labels, _ = label(binary_dilation(mask, structure=np.ones((3, 3))), structure=np.ones((3, 3)))
-    labels = np.where(mask, labels, 0)
-    sizes = np.bincount(labels.ravel())
-    sizes[0] = 0
-    return np.asarray(labels == np.argmax(sizes)) & mask
+    labels = _labels(cv2.dilate(mask.view(np.uint8), np.ones((3, 3), np.uint8)))
+    sizes = np.bincount(labels[mask])
+    sizes[:1] = 0
+    return np.asarray((labels == np.argmax(sizes)) & mask)
 
 
 def _objects(raster: Raster, labels: IntArray, table: BoolArray, settings: SceneSettings) -> list[int]:
     """Names of the clusters that are objects, largest first: big enough, not too long, and amid the plane."""
     import shapely
-    from scipy.ndimage import find_objects
 
-    cells = np.bincount(labels.ravel())
-    points = np.bincount(labels.ravel(), weights=raster.count.ravel())
-    amid = _hull(table).buffer(-RIM_M / raster.cell_m)
+    cell = np.flatnonzero(labels)
+    row, column = np.divmod(cell, labels.shape[1])
+    name_of = labels.ravel()[cell]
+    cells = np.bincount(name_of)
+    points = np.bincount(name_of, weights=raster.count.ravel()[cell])
+    large = (cells * raster.grid.cell_m**2 >= settings.min_size_m**2) & (points >= MIN_POINTS)
+    amid = _hull(table).buffer(-RIM_M / raster.grid.cell_m)
     found = []
-    for name, box in enumerate(find_objects(labels), start=1):
-        if box is None or cells[name] * raster.cell_m**2 < settings.min_size_m**2 or points[name] < MIN_POINTS:
+    for name in np.flatnonzero(large).tolist():
+        own = np.stack([row[name_of == name], column[name_of == name]])
+        low, high = own.min(axis=1), own.max(axis=1) + 1
+        if raster.grid.cell_m * np.hypot(*(high - low)) > settings.max_size_m:
             continue
-        if raster.cell_m * np.hypot(*(side.stop - side.start for side in box)) > settings.max_size_m:
-            continue
-        middle = np.argwhere(labels[box] == name).mean(axis=0) + [side.start for side in box]
-        if shapely.contains_xy(amid, *middle) and _sectors(box, middle, table, RING_M / raster.cell_m) >= MIN_SECTORS:
+        middle = own.mean(axis=1)
+        if (
+            shapely.contains_xy(amid, *middle)
+            and _sectors(low, high, middle, table, RING_M / raster.grid.cell_m) >= MIN_SECTORS
+        ):
             found.append(name)
     return sorted(found, key=lambda name: -int(cells[name]))
 
@@ -138,27 +187,36 @@ def _hull(mask: BoolArray) -> Any:
     """Convex hull of a mask's cells, as a shapely geometry: of the first and the last one in each row."""
     import shapely
 
-    rows = np.flatnonzero(mask.any(axis=1))
-    first = mask[rows].argmax(axis=1)
-    last = mask.shape[1] - 1 - mask[rows, ::-1].argmax(axis=1)
+    rows, first, last = _ends(mask)
     return shapely.MultiPoint(np.column_stack([np.tile(rows, 2), np.concatenate([first, last])])).convex_hull
 
 
-def _sectors(box: tuple[slice, ...], middle: FloatArray, table: BoolArray, reach: float) -> int:
-    """In how many directions from a cluster's `middle` (2,) the plane appears within `reach` cells of its `box`."""
-    starts = [max(0, side.start - round(reach)) for side in box]
-    ends = [side.stop + round(reach) for side in box]
-    away = np.argwhere(table[starts[0] : ends[0], starts[1] : ends[1]]) + starts - middle
-    angle = np.arctan2(away[:, 0], away[:, 1])
+def _ends(mask: BoolArray) -> tuple[IntArray, IntArray, IntArray]:
+    """The rows in which a mask has cells, and the first and last column of those in each."""
+    rows = np.flatnonzero(mask.any(axis=1))
+    last = mask.shape[1] - 1 - mask[rows, ::-1].argmax(axis=1)
+    return rows, mask[rows].argmax(axis=1), last
+
+
+def _span(mask: BoolArray) -> FloatArray:
+    """How many cells lie between a mask's first and last row and column (2,)."""
+    rows, first, last = _ends(mask)
+    return np.array([np.ptp(rows), last.max() - first.min()], dtype=np.float64)
+
+
+def _sectors(low: IntArray, high: IntArray, middle: FloatArray, table: BoolArray, reach: float) -> int:
+    """In how many directions from a cluster's `middle` (2,) the plane appears within `reach` cells of its box."""
+    start, end = np.maximum(low - round(reach), 0), high + round(reach)
+    row, column = np.nonzero(table[start[0] : end[0], start[1] : end[1]])
+    angle = np.arctan2(row + start[0] - middle[0], column + start[1] - middle[1])
     return len(np.unique(np.floor(angle * SECTORS / (2 * np.pi)) % SECTORS))
 
 
 def _outside_share(labels: IntArray, chosen: list[int], table: BoolArray) -> float:
     """Share of the plane's cells outside the convex hulls of the objects: that of a hollow object holds its floor."""
-    import shapely
-
-    cells = np.argwhere(table)
-    inside = np.zeros(len(cells), dtype=np.bool_)
+    covered = np.zeros(table.shape, dtype=np.uint8)
     for name in chosen:
-        inside |= shapely.contains_xy(_hull(labels == name), cells)
-    return float((~inside).mean())
+        rows, first, last = _ends(labels == name)
+        ends = np.column_stack([np.concatenate([first, last]), np.tile(rows, 2)])  # OpenCV's x is the column
+        cv2.fillConvexPoly(covered, cv2.convexHull(ends.astype(np.int32)), 1)
+    return 1.0 - int(np.count_nonzero(table & (covered > 0))) / max(1, int(np.count_nonzero(table)))

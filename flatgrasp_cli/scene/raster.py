@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
@@ -17,46 +18,69 @@ LEVEL_WINDOW_M = 0.08
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Raster:
-    """Points (n, 2) of the plane sorted into cells of side `cell_m`, with a rim of empty ones around.
-
-    `cell` (n,) is each point's flat index into arrays of `shape`; `count` (rows, columns) the points in each cell.
-    """
+class Grid:
+    """Cells (rows, columns) of side `cell_m` from `origin` (2,), those of the rim for nothing."""
 
     origin: FloatArray
     cell_m: float
     shape: tuple[int, int]
+
+    @classmethod
+    def over(cls, low: FloatArray, high: FloatArray, cell_m: float) -> Grid:
+        """The grid over an area; its cells are made larger if there would be too many."""
+        cell_m = max(cell_m, float(np.sqrt(np.prod(high - low + cell_m) / MAX_CELLS)))
+        rows, columns = (((high - low) / cell_m).astype(np.intp) + 3).tolist()
+        return cls(low - cell_m, cell_m, (rows, columns))
+
+    def cells(self, x: FloatArray, y: FloatArray) -> IntArray:
+        """Flat indices (n,) of points x and y (n,) in the area."""
+        row: IntArray = ((x - self.origin[0]) / self.cell_m).astype(np.intp)
+        row *= self.shape[1]
+        row += ((y - self.origin[1]) / self.cell_m).astype(np.intp)
+        return row
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Raster:
+    """Points of the plane sorted into a grid: `cell` (n,) is each point's flat index, `count` (rows, columns) how many.
+
+    Points that do not count have the index 0, a cell of the rim.
+    """
+
+    grid: Grid
     cell: IntArray
     count: IntArray
 
+    @classmethod
+    def of(cls, grid: Grid, cell: IntArray) -> Raster:
+        """The raster of points in cells `cell` (n,)."""
+        count = np.bincount(cell, minlength=grid.shape[0] * grid.shape[1])
+        count[0] = 0
+        return cls(grid, cell, count.reshape(grid.shape))
+
+    def total(self, values: FloatArray, cell: IntArray | None = None) -> FloatArray:
+        """Sum (rows, columns) of `values` (n,) in each cell; of other points if their `cell` is given."""
+        total = np.bincount(self.cell if cell is None else cell, weights=values, minlength=self.count.size)
+        total[0] = 0.0
+        return np.asarray(total.reshape(self.count.shape))
+
     def mean(self, values: FloatArray) -> FloatArray:
         """Mean (rows, columns) of `values` (n,) in each cell; 0 in empty ones."""
-        total = np.bincount(self.cell, weights=values, minlength=self.count.size).reshape(self.shape)
-        return np.asarray(total / np.maximum(self.count, 1))
+        return np.asarray(self.total(values) / np.maximum(self.count, 1))
 
 
-def rasterise(points: FloatArray, cell_m: float) -> Raster:
-    """Sort `points` (n, 2) into cells; they are made larger if there would be too many."""
-    low, high = points.min(axis=0), points.max(axis=0)
-    cell_m = max(cell_m, float(np.sqrt(np.prod(high - low + cell_m) / MAX_CELLS)))
-    index = ((points - low) / cell_m).astype(np.intp) + 1
-    rows, columns = (index.max(axis=0) + 2).tolist()
-    cell = index[:, 0] * columns + index[:, 1]
-    count = np.bincount(cell, minlength=rows * columns).reshape(rows, columns)
-    return Raster(low - cell_m, cell_m, (rows, columns), cell, count)
-
-
-def fitting_cell_m(points: FloatArray) -> float:
-    """Side of cells that hold a few of `points` (n, 2) each, where there are any."""
-    coarse = rasterise(points, COARSE_CELL_M)
-    density = float(np.median(coarse.count[coarse.count > 0])) / coarse.cell_m**2
+def fitting_cell_m(x: FloatArray, y: FloatArray, every: int = 1) -> float:
+    """Side of cells that hold a few points each, where there are any; of those x and y (n,) are one in `every`."""
+    low, high = np.array([x.min(), y.min()]), np.array([x.max(), y.max()])
+    coarse = Grid.over(low, high, COARSE_CELL_M * np.sqrt(every))
+    count = Raster.of(coarse, coarse.cells(x, y)).count
+    density = every * float(np.median(count[count > 0])) / coarse.cell_m**2
     return float(np.clip(np.sqrt(POINTS_PER_CELL / density), *CELL_RANGE_M))
 
 
 def smoothed(values: FloatArray, where: BoolArray | IntArray, cells: int) -> FloatArray:
     """Mean of `values` over windows of `cells` × `cells`, weighted by `where`; 0 where a window has no weight."""
-    from scipy.ndimage import uniform_filter
-
-    weight = uniform_filter(where.astype(np.float64), cells, mode="constant")
-    total = uniform_filter(values * where, cells, mode="constant")
-    return np.where(weight > 1e-9, total / np.maximum(weight, 1e-9), 0.0)
+    weight = where.astype(np.float32)  # the windows' sums are in double precision all the same
+    share = cv2.blur(weight, (cells, cells), borderType=cv2.BORDER_CONSTANT)
+    total = cv2.blur(weight * values.astype(np.float32), (cells, cells), borderType=cv2.BORDER_CONSTANT)
+    return np.where(share > 1e-6, total / np.maximum(share, 1e-6), 0.0).astype(np.float64)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
+from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import Cloud, ObjectCloud, Scene, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.clusters import Clusters, find_clusters
@@ -39,7 +39,7 @@ def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
     clusters = find_clusters(cloud.points, plane, settings)
     if settings.mode == "auto" and not clusters.lie_on_table and clusters.extent_m <= settings.max_size_m:
         return alone
-    objects = tuple(_object(k, cloud, plane, clusters) for k in range(len(clusters.members)))
+    objects = _objects(cloud, plane, clusters)
     reason = None if objects else "nothing stands on the support plane"
     return Scene(plane, selected(objects, settings.select), cloud.points[clusters.clutter], reason)
 
@@ -59,17 +59,24 @@ def _too_large(points: FloatArray) -> str | None:
     )
 
 
-def _object(index: int, cloud: Cloud, plane: SupportPlane, clusters: Clusters) -> ObjectCloud:
-    points = cloud.points[clusters.members[index]]
-    viewpoint = cloud.viewpoint
-    if not looks_down(viewpoint, plane.normal, plane.offset_m):
-        viewpoint = points.mean(axis=0) + OVERHEAD_M * plane.normal
-    low, high = points.min(axis=0) - NEAR_M, points.max(axis=0) + NEAR_M
-    others = [clusters.clutter, *(rows for k, rows in enumerate(clusters.members) if k != index)]
-
-    def near(rows: IntArray) -> FloatArray:
-        candidates: FloatArray = cloud.points[rows]
-        close: FloatArray = candidates[((candidates > low) & (candidates < high)).all(axis=1)]
-        return close
-
-    return ObjectCloud(index, points, viewpoint, plane, near(np.concatenate(others)), near(clusters.table))
+def _objects(cloud: Cloud, plane: SupportPlane, clusters: Clusters) -> tuple[ObjectCloud, ...]:
+    """The clusters as objects, each with what else stands near it."""
+    rows = (*clusters.members, clusters.clutter)
+    ends = np.cumsum([len(own) for own in rows])
+    standing = cloud.points[np.concatenate(rows)]
+    columns = np.ascontiguousarray(standing.T)
+    seen_from_above = looks_down(cloud.viewpoint, plane.normal, plane.offset_m)
+    found = []
+    for index in range(len(clusters.members)):
+        mine = slice(ends[index] - len(rows[index]), ends[index])
+        near = np.ones(len(standing), dtype=np.bool_)
+        for values in columns:
+            near &= (values > values[mine].min() - NEAR_M) & (values < values[mine].max() + NEAR_M)
+        near[mine] = False
+        viewpoint = cloud.viewpoint
+        if not seen_from_above:
+            viewpoint = columns[:, mine].mean(axis=1) + OVERHEAD_M * plane.normal
+        found.append(
+            ObjectCloud(index, standing[mine], viewpoint, plane, standing[np.flatnonzero(near)], clusters.floor)
+        )
+    return tuple(found)

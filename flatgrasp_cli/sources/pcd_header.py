@@ -10,6 +10,8 @@ import struct
 from dataclasses import dataclass
 from typing import BinaryIO
 
+import numpy as np
+
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.sources.ascii_rows import check_rows
 
@@ -38,6 +40,23 @@ class PcdHeader:
     def stride(self) -> int:
         """Bytes a point in binary data."""
         return sum(int(kind[1:]) * count for kind, count in zip(self.types, self.counts, strict=True))
+
+    def column(self, name: str) -> int:
+        """Place of a field's first number among a point's numbers."""
+        return sum(self.counts[: self.fields.index(name)])
+
+    def point_dtype(self) -> np.dtype[np.void]:
+        """X, y and z of a point in binary data, which is little-endian, as a numpy record type."""
+        sizes = [int(kind[1:]) * count for kind, count in zip(self.types, self.counts, strict=True)]
+        places = [self.fields.index(axis) for axis in "xyz"]
+        return np.dtype(
+            {
+                "names": ["x", "y", "z"],
+                "formats": ["<" + self.types[place].lower() for place in places],
+                "offsets": [sum(sizes[:place]) for place in places],
+                "itemsize": self.stride,
+            }
+        )
 
     def renamed(self) -> bytes:
         """A header for the same data in which x, y and z keep their names and nothing else has one with a meaning.
