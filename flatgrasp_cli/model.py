@@ -259,12 +259,15 @@ class Reach:
 class Closure:
     """Force closure: Ferrari & Canny's ε of fingers that touch in a point and of whole pads, and friction to spare.
 
-    `friction_margin` is None where no friction would do.
+    `friction_margin` is None where no friction would do. `lift_weight` and `lift_torque` are how many times the object's
+    weight, and its torque about the grasping line, the pads' friction bears; None without a mass or the hand's force.
     """
 
     epsilon_points: float
     epsilon_pads: float
     friction_margin: float | None
+    lift_weight: float | None = None
+    lift_torque: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -98,6 +98,18 @@ def test_force_closure_of_flush_pads(pr2: Gripper) -> None:
     assert grasp.closure.friction_margin == pytest.approx(pr2.pad_friction - grasp.required_friction)
 
 
+def test_lifting_is_judged_where_mass_and_force_are_known(pr2: Gripper) -> None:
+    cloud = cloud_of(sampled(rectangle(120, 40)))
+    hand = pr2.model_copy(update={"max_force_n": 20.0})
+    closure = best(cloud, hand, "caging.mass_kg=0.5", "balance.friction=0.5").closure
+    assert closure is not None
+    assert closure.lift_weight == pytest.approx(2 * 0.5 * 20 / (0.5 * 9.80665))
+    assert closure.lift_torque is None or closure.lift_torque > closure.lift_weight / 10
+    unknown = best(cloud, pr2, "caging.mass_kg=0.5").closure
+    assert unknown is not None
+    assert (unknown.lift_weight, unknown.lift_torque) == (None, None)
+
+
 def test_the_paper_proves_nothing(dumbbell: Cloud, pr2: Gripper) -> None:
     found = plan(dumbbell, pr2, load_settings("paper"))
     assert all(grasp.cage is None for item in found.objects for grasp in item.grasps)

@@ -9,7 +9,7 @@ import numpy as np
 from flatgrasp_cli.geometry.frames import axes_from_quaternion
 from flatgrasp_cli.model import Cage, Closure, Grasp, ObjectPlan, Rejection, Silhouette, Stage
 from flatgrasp_cli.planner.caging import Hands, certify
-from flatgrasp_cli.planner.force_closure import friction_margin, pad_quality, point_quality, reference_of
+from flatgrasp_cli.planner.force_closure import friction_margin, lift_margins, pad_quality, point_quality, reference_of
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
 
@@ -87,7 +87,15 @@ def _closures(
     points = point_quality(contacts, normals, friction, reference)
     pads = pad_quality(contacts, normals, width, friction, reference)
     margins = friction_margin(np.array([grasp.required_friction for grasp in grasps]), friction)
-    return [
+    closures = [
         Closure(float(point), float(pad), float(margin) if np.isfinite(margin) else None)
         for point, pad, margin in zip(points, pads, margins, strict=True)
+    ]
+    if settings.caging.mass_kg is None or gripper.max_force_n is None:
+        return closures
+    away = np.array([grasp.gravity_distance_m for grasp in grasps])
+    lift = lift_margins(away, settings.caging.mass_kg, gripper.max_force_n, friction, 0.5 * gripper.finger_width_m)
+    return [
+        replace(closure, lift_weight=float(weight), lift_torque=float(torque) if np.isfinite(torque) else None)
+        for closure, weight, torque in zip(closures, lift.weight, lift.torque, strict=True)
     ]

@@ -201,6 +201,8 @@ class CagingSettings(Profile):
 
     certify: bool
     """Whether the best grasps get certificates."""
+    mass_kg: Annotated[float, Field(gt=0)] | None
+    """The object's mass, for the margins of lifting it."""
     prefer: Literal["cost", "cage"]
     """cage: grasps with a cage first, of those the one that forgives the largest miss."""
     require: bool

@@ -170,11 +170,15 @@ class ClosurePart(_Part):
     """Force closure: Ferrari & Canny's ε for point contacts and for whole pads, and friction beyond what is needed.
 
     Forces sum to 1; torques are about the outline's centre of area, over its largest radius. 0: not force closed.
+    Above 1, `lift_weight` and `lift_torque` say that friction bears the object's weight and its torque about the
+    grasping line; null without a mass or the hand's force.
     """
 
     epsilon_points: Number
     epsilon_pads: Number
     friction_margin: Number | None
+    lift_weight: Number | None
+    lift_torque: Number | None
 
 
 class TolerancePart(_Part):
