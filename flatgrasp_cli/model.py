@@ -259,8 +259,8 @@ class Reach:
 class Closure:
     """Force closure: Ferrari & Canny's ε of fingers that touch in a point and of whole pads, and friction to spare.
 
-    `friction_margin` is None where no friction would do. `lift_weight` and `lift_torque` are how many times the object's
-    weight, and its torque about the grasping line, the pads' friction bears; None without a mass or the hand's force.
+    `friction_margin` is None where no friction would do. `lift_weight` and `lift_torque` are how often the object's
+    own weight and its torque about the grasping line the friction bears; None without a mass or the hand's force.
     """
 
     epsilon_points: float
