@@ -21,7 +21,7 @@ from rosbags.rosbag1 import Writer as Ros1Writer
 from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
 from flatgrasp_cli.errors import SourceError
-from flatgrasp_cli.sources.containers import Recording, Topic, bounded, is_recording, open_recording
+from flatgrasp_cli.sources.containers import Problems, Recording, Topic, bounded, is_recording, open_recording
 from flatgrasp_cli.sources.containers.merge import in_order
 from tests.recordings import (
     BARE,
@@ -321,6 +321,22 @@ def test_wrong_metadata_is_not_needed(text: str, tmp_path: Path) -> None:
     assert next(iter(problems)).startswith("metadata.yaml cannot be used")
 
 
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("{", "it is no YAML"),
+        ("[1]", "it has no rosbag2_bagfile_information"),
+        ("rosbag2_bagfile_information: 5", "it has no rosbag2_bagfile_information"),
+        ("rosbag2_bagfile_information: {relative_file_paths: 3}", "it lists no files"),
+    ],
+)
+def test_wrong_metadata_is_told_in_words(text: str, fault: str, tmp_path: Path) -> None:
+    folder = write_rosbag2(tmp_path / "bag")
+    (folder / "metadata.yaml").write_text(text)
+    told = f"metadata.yaml cannot be used ({fault}); the storage files in the folder are read"
+    assert read(folder)[1] == {told: 1}
+
+
 def test_missing_and_broken_files_of_a_folder(tmp_path: Path) -> None:
     folder = write_rosbag2(tmp_path / "bag")
     metadata = folder / "metadata.yaml"
@@ -406,6 +422,35 @@ def test_unindexed_ros1_bag(tmp_path: Path) -> None:
     assert problems == {"not closed by its recorder, or truncated: it has no index": 1}
 
 
+def test_ros1_bag_cut_between_two_chunks(tmp_path: Path) -> None:
+    path = write_ros1(tmp_path / "a", count=6)
+    data = path.read_bytes()
+    at = data.index(b"index_pos=") + len(b"index_pos=")
+    (index,) = struct.unpack_from("<Q", data, at)
+    with open_recording(path, "rec") as recording:
+        second = cast("Ros1Recording", recording).chunks[1].offset
+    path.write_bytes(data[:second])
+    messages, problems = read(path)
+    assert [m.stamp_ns for m in messages] == stamps(6)[: len(messages)]
+    assert 0 < len(messages) < 6
+    assert problems == {f"truncated at byte {second}, before its index at byte {index}; what comes after is lost": 1}
+
+
+@pytest.mark.parametrize(
+    ("times", "count"),
+    [({"start_ns": 2**70}, 0), ({"end_ns": -(2**70)}, 0), ({"start_ns": -(2**70), "end_ns": 2**70}, 5)],
+)
+def test_times_beyond_a_database_are_no_damage(times: dict[str, Any], count: int, tmp_path: Path) -> None:
+    messages, problems = read(write_rosbag2(tmp_path / "bag"), **times)
+    assert (len(messages), problems) == (count, {})
+
+
+def test_names_in_problems_are_printable() -> None:
+    problems = Problems()
+    problems.add("message on /a\x1b[31m\n that is bad")
+    assert problems.counts == {"message on /a\\x1b[31m\\n that is bad": 1}
+
+
 def test_message_that_cannot_be_decoded(tmp_path: Path) -> None:
     path = write_rosbag2(tmp_path / "bag")
     database = sqlite3.connect(path / "bag.db3")
@@ -437,6 +482,28 @@ def test_bomb_of_a_chunk_is_stopped_early() -> None:
     bomb = zstd.compress(bytes(2**28))
     content, fault = bounded.inflate("zstd", bomb, 1000)
     assert (len(content), fault) == (0, "inflates beyond its declared size")
+
+
+def test_chunk_of_zeros_ends_at_once(tmp_path: Path) -> None:
+    content = zstd.compress(bytes(2**28))
+    head = struct.pack("<QQQII", START_NS, START_NS, 2**28, 0, 4) + b"zstd" + struct.pack("<Q", len(content))
+    path = tmp_path / "a"
+    magic = b"\x89MCAP0\r\n"
+    path.write_bytes(magic + b"\x06" + struct.pack("<Q", len(head) + len(content)) + head + content)
+    messages, problems = read(path)
+    assert messages == []
+    assert "chunk at byte 8 is damaged at byte 0 of its content" in problems
+
+
+def test_messages_inflate_piece_by_piece_up_to_a_bound(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bounded, "MESSAGE_PIECE_BYTES", 1000)
+    monkeypatch.setattr(bounded, "MAX_CHUNK_BYTES", 100_000)
+    content = np.random.default_rng(0).bytes(100_000)
+    assert bounded.inflate_message(zstd.compress(content[:900])) == content[:900]
+    assert bounded.inflate_message(zstd.compress(content)) == content
+    for broken in (zstd.compress(content + b"!"), zstd.compress(content)[:-10], zstd.compress(bytes(10**7))):
+        with pytest.raises(ValueError, match="cut short or too large"):
+            bounded.inflate_message(broken)
 
 
 def test_bomb_of_a_file_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -26,7 +26,17 @@ from flatgrasp_cli.profiles import Gripper
 from flatgrasp_cli.sources.selection import Every, Moment, Selection, parse_every, parse_moment
 from flatgrasp_cli.sources.summary import summarize
 from tests.conftest import MM, SAMPLES, Run
-from tests.recordings import CLOUD_TYPE, POINTS, ROS1, ROS2, START_NS, raw_cloud, write_mcap
+from tests.recordings import (
+    CLOUD_TYPE,
+    POINTS,
+    ROS1,
+    ROS2,
+    START_NS,
+    TEXT_TYPE,
+    raw_cloud,
+    write_mcap,
+    write_other_mcap,
+)
 
 PAN = {name: SAMPLES / name for name in ("pan_ros2", "pan_ros1.bag", "pan_foxglove.mcap")}
 PERIOD_NS = 200_000_000
@@ -223,7 +233,7 @@ def test_what_is_no_moment(text: str) -> None:
 def test_every() -> None:
     assert parse_every("5") == Every(frames=5)
     assert parse_every("0.5s") == Every(period_ns=500_000_000)
-    for text in ("0", "-1", "0s", "nans", "half", "1.5"):
+    for text in ("0", "-1", "0s", "nans", "half", "1.5", "99999999999999999999"):
         with pytest.raises(UsageError, match="--every"):
             parse_every(text)
 
@@ -311,6 +321,86 @@ def test_frames_that_cannot_be_decoded_are_counted(tmp_path: Path, caplog: pytes
         frames(path, strict=True)
 
 
+def test_damage_that_is_never_twice_the_same_is_no_flood(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    path = tmp_path / "short"
+    good = cloud_message(ROS2, np.ones((100, 3), np.float32), "packed")
+    with Ros2Writer(path, version=9) as writer:
+        connection = writer.add_connection(POINTS, CLOUD_TYPE, typestore=ROS2)
+        for k, length in enumerate((1200, *range(500, 530))):
+            message = replace(good, data=good.data[:length])
+            writer.write(connection, START_NS + k, ROS2.serialize_cdr(message, CLOUD_TYPE))
+    with caplog.at_level(logging.WARNING):
+        assert len(frames(path)) == 1
+    told = [record.getMessage() for record in caplog.records]
+    assert len(told) == 11
+    assert told[-1] == f"{path}: and 20 more problems like these"
+
+
+def write_ends_of_transforms(path: Path, definition: bytes | None = None) -> Path:
+    """Ten clouds, and transforms that are known for the first three, or whose definition is wrong."""
+    cloud, tf = "sensor_msgs/msg/PointCloud2", "tf2_msgs/msg/TFMessage"
+    types = ROS2.types
+    with path.open("wb") as file:
+        writer = McapWriter(file)
+        writer.start()
+        channels = {}
+        for topic, kind in ((POINTS, cloud), ("/tf", tf)):
+            text = ROS2.generate_msgdef(kind, ros_version=2)[0].encode()
+            schema = writer.register_schema(kind, "ros2msg", definition if definition and kind == tf else text)
+            channels[kind] = writer.register_channel(topic, "cdr", schema)
+        for k in range(10):
+            second = START_NS // 10**9 + k
+            header: Any = types["std_msgs/msg/Header"](types["builtin_interfaces/msg/Time"](second, 0), "base")
+            transform: Any = types["geometry_msgs/msg/Transform"](
+                types["geometry_msgs/msg/Vector3"](1.0, 0.0, 0.0),
+                types["geometry_msgs/msg/Quaternion"](0.0, 0.0, 0.0, 1.0),
+            )
+            stamped: Any = types["geometry_msgs/msg/TransformStamped"](header, "camera", transform)
+            points = cloud_message(ROS2, np.ones((4, 3), np.float32), "packed")
+            points.header.stamp = header.stamp
+            log = [(tf, types[tf]([stamped]))] if k < 3 else []
+            for kind, message in [*log, (cloud, points)]:
+                stamp_ns = second * 10**9
+                writer.add_message(channels[kind], stamp_ns, bytes(ROS2.serialize_cdr(message, kind)), stamp_ns)
+        writer.finish()  # type: ignore[no-untyped-call]
+    return path
+
+
+def test_frames_after_the_last_transform_are_counted(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    path = write_ends_of_transforms(tmp_path / "a.mcap")
+    with caplog.at_level(logging.WARNING):
+        assert len(frames(path, base_frame="base")) == 3
+    (record,) = caplog.records
+    assert record.getMessage() == (
+        f"{path}: frame on {POINTS} left out: no transform from camera to base: camera ← base is not known at that "
+        "time, the nearest sample is earlier, at 1700000002.000 s (7 times)"
+    )
+
+
+def test_transforms_that_cannot_be_decoded_are_told(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    path = write_ends_of_transforms(tmp_path / "a.mcap", b"@@@")
+    told = "messages on /tf cannot be decoded: the definition of tf2_msgs/msg/TFMessage cannot be parsed"
+    with (
+        caplog.at_level(logging.WARNING),
+        pytest.raises(SourceError, match="none of 10 frames"),
+    ):
+        frames(path, base_frame="base")
+    assert [record.getMessage() for record in caplog.records] == [f"{path}: {told}"]
+    with pytest.raises(SourceError, match=f"{told}$"):
+        frames(path, base_frame="base", strict=True)
+
+
+def test_clouds_in_an_encoding_that_is_not_read_say_so(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    path = write_other_mcap(tmp_path / "a", "cbor", ("foxglove.PointCloud", "", b""), [b"x", b"y"])
+    with caplog.at_level(logging.WARNING), pytest.raises(SourceError) as error:
+        frames(path)
+    assert str(error.value) == (
+        f"{path}: no message on {POINTS} could be read: messages on {POINTS} cannot be decoded: "
+        "the encoding 'cbor' is not supported"
+    )
+    assert not caplog.records
+
+
 # --- inspect ----------------------------------------------------------------------------------------------------------
 
 
@@ -330,6 +420,26 @@ def test_summary_of_a_recording() -> None:
     first = frames(PAN["pan_ros2"], count=1)[0]
     assert cloud.nan_share == first.dropped / 19_200
     assert cloud.low_m == tuple(first.points.min(axis=0))
+
+
+def test_summary_of_one_topic_of_two_types(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    path = tmp_path / "a.bag"
+    with Ros1Writer(path) as writer:
+        text = writer.add_connection(POINTS, TEXT_TYPE, typestore=ROS1)
+        writer.write(text, START_NS, ROS1.serialize_ros1(ROS1.types[TEXT_TYPE]("x"), TEXT_TYPE))
+        clouds = writer.add_connection(POINTS, CLOUD_TYPE, typestore=ROS1)
+        writer.write(clouds, START_NS, raw_cloud(0, "ros1"))
+    summary = summarize(str(path))
+    assert [(cloud.topic, cloud.points, cloud.fields) for cloud in summary.clouds] == [(POINTS, 100, ("x", "y", "z"))]
+    assert summary.problems == {}
+    assert not caplog.records
+
+
+def test_summary_tells_all_problems_itself(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    path = write_other_mcap(tmp_path / "a", "cbor", ("foxglove.PointCloud", "", b""), [b"x"])
+    (problem,) = summarize(str(path)).problems
+    assert problem.endswith("the encoding 'cbor' is not supported")
+    assert not caplog.records
 
 
 def test_summary_of_a_file() -> None:
@@ -427,3 +537,20 @@ def test_inspect_prints_tables_and_json(run: Run, tmp_path: Path) -> None:
     (line,) = ended.out.splitlines()
     assert json.loads(line)["schema"] == "flatgrasp.inspect/1"
     assert json.loads(line)["clouds"][0]["points"] == 19_200
+
+
+def test_inspect_obeys_no_name_and_lists_no_end_of_problems(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "a.bag"
+    good = cloud_message(ROS1, np.ones((100, 3), np.float32), "packed")
+    with Ros1Writer(path) as writer:
+        connection = writer.add_connection("/a\x1b[31m", CLOUD_TYPE, typestore=ROS1)
+        for k in range(15):
+            message = replace(good, data=good.data[: 500 + k])
+            writer.write(connection, START_NS + k, ROS1.serialize_ros1(message, CLOUD_TYPE))
+    ended = run("inspect", path)
+    assert ended.code == 0
+    assert "/a\\x1b[31m" in ended.out
+    assert "\x1b" not in ended.out + ended.err
+    problems = ended.out.splitlines()[-11:]
+    assert all(line.startswith("problem: frame on /a\\x1b[31m left out: ") for line in problems[:-1])
+    assert problems[-1] == "and 5 more kinds of problems; --json lists them"

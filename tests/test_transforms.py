@@ -91,9 +91,9 @@ def test_a_sample_holds_for_the_tolerance_and_no_longer() -> None:
     buffer = moving(transform("base", "camera", (1, 0, 0), stamp_ns=10 * S))
     for stamp in (10 * S - S // 10, 10 * S + S // 10):
         np.testing.assert_array_equal(buffer.lookup("base", "camera", stamp).origin, [1, 0, 0])
-    with pytest.raises(MissingTransform, match=r"camera ← base is not known at that time, .* 0\.250 s earlier"):
+    with pytest.raises(MissingTransform, match=r"camera ← base is not known at that time, .* earlier, at 10\.000 s"):
         buffer.lookup("base", "camera", 10 * S + S // 4)
-    with pytest.raises(MissingTransform, match=r"0\.250 s later"):
+    with pytest.raises(MissingTransform, match=r"later, at 10\.000 s"):
         buffer.lookup("base", "camera", 10 * S - S // 4)
 
 
@@ -107,7 +107,7 @@ def test_forgetting_keeps_one_older_sample() -> None:
     buffer = moving(*(transform("base", "camera", (float(t), 0, 0), stamp_ns=t * S) for t in range(10)))
     buffer.forget_before(5 * S + S // 2)
     np.testing.assert_array_equal(buffer.lookup("base", "camera", 5 * S + S // 2).origin, [5.5, 0, 0])
-    with pytest.raises(MissingTransform, match=r"1\.000 s later"):
+    with pytest.raises(MissingTransform, match=r"later, at 5\.000 s"):
         buffer.lookup("base", "camera", 4 * S)
     assert sum(map(len, buffer._moving.values())) == 5
 

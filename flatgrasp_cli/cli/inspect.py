@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from flatgrasp_cli.sources.summary import CloudSummary, Summary, TopicSummary
 
 SCHEMA = "flatgrasp.inspect/1"
+LISTED = 10
+"""Kinds of problems that are printed for people."""
 
 
 @click.command("inspect")
@@ -57,8 +59,10 @@ def _print(summary: Summary) -> None:
             console.print(f"frames: {_plain(', '.join(summary.frames))}")
         for cloud in summary.clouds:
             _print_cloud(console, cloud)
-        for problem, count in summary.problems.items():
+        for problem, count in list(summary.problems.items())[:LISTED]:
             console.print(f"problem: {_plain(problem)}{f' ({count} times)' if count > 1 else ''}")
+        if len(summary.problems) > LISTED:
+            console.print(f"and {len(summary.problems) - LISTED} more kinds of problems; --json lists them")
     click.echo(text.get(), nl=False)
 
 
@@ -80,7 +84,7 @@ def _print_topics(console: Console, topics: tuple[TopicSummary, ...]) -> None:
     for topic in topics:
         count = "?" if topic.count is None else str(topic.count)
         rate = "" if topic.rate_hz is None else f"{topic.rate_hz:.1f}"
-        table.add_row(_plain(topic.name), _plain(topic.type), topic.encoding, count, rate)
+        table.add_row(_plain(topic.name), _plain(topic.type), _plain(topic.encoding), count, rate)
     console.print(table)
 
 
@@ -99,4 +103,6 @@ def _print_cloud(console: Console, cloud: CloudSummary) -> None:
 def _plain(text: str) -> str:
     from rich.markup import escape
 
-    return escape(text)
+    from flatgrasp_cli.sources.containers import printable
+
+    return escape(printable(text))

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterator
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack
 from functools import partial
 from itertools import islice
@@ -13,7 +14,7 @@ from typing import Any
 from flatgrasp_cli.errors import NoFramesError
 from flatgrasp_cli.model import Cloud, Source
 from flatgrasp_cli.sources.containers import open_recording
-from flatgrasp_cli.sources.containers.recording import Message, Recording, Topic
+from flatgrasp_cli.sources.containers.recording import Message, Problems, Recording, Topic, printable
 from flatgrasp_cli.sources.messages import (
     CLOUD_TYPES,
     INFO_TYPE,
@@ -30,6 +31,8 @@ from flatgrasp_cli.sources.transforms import MissingTransform
 _log = logging.getLogger(__name__)
 
 Decode = Callable[[Any], Decoded]
+WARNED = 10
+"""Kinds of problems that are told one by one; damage that is never twice the same must not flood a terminal."""
 
 
 def recorded_clouds(path: Path, name: str, scale: float, selection: Selection) -> Iterator[Cloud]:
@@ -45,23 +48,44 @@ def recorded_clouds(path: Path, name: str, scale: float, selection: Selection) -
     """
     with ExitStack() as stack:
         recording = stack.enter_context(open_recording(path, name, strict=selection.strict))
+        problems = [recording.problems]
         try:
             topic = choose_topic(recording, selection.topic, name)
             placement = None
             if selection.base_frame is not None:  # opened once more, for transforms are read ahead of the clouds
-                again = stack.enter_context(open_recording(path, name))
+                again = stack.enter_context(open_recording(path, name, strict=selection.strict))
+                problems.append(again.problems)
                 placement = Placement(again, selection.base_frame, _window(recording, selection)[0])
-            yield from _usable(recording, topic, (name, scale, placement), selection)
+            for _, cloud in usable_frames(recording, topic, (name, scale, placement), selection):
+                yield cloud
         finally:
-            for what, count in recording.problems.counts.items():
-                _log.warning("%s: %s%s", name, what, f" ({count} times)" if count > 1 else "")
+            _warn(name, problems)
 
 
-def _usable(
+def _warn(name: str, problems: Iterable[Problems]) -> None:
+    """Tell what was left out; what was met at each of two readings of one file is counted once."""
+    counts: Counter[str] = Counter()
+    for each in problems:
+        counts |= each.counts
+    told = list(counts.items())[:WARNED]
+    for what, count in told:
+        _log.warning("%s: %s%s", name, what, f" ({count} times)" if count > 1 else "")
+    if rest := counts.total() - sum(count for _, count in told):
+        _log.warning("%s: and %d more problems like these", name, rest)
+
+
+def usable_frames(
     recording: Recording, topic: Topic, to: tuple[str, float, Placement | None], selection: Selection
-) -> Iterator[Cloud]:
-    """The wanted frames that can be decoded and placed."""
+) -> Iterator[tuple[Message, Cloud]]:
+    """The wanted frames that can be decoded, scaled and placed; `to` is the name for errors, scale and placement.
+
+    Raises
+    ------
+    NoFramesError
+        If there are none.
+    """
     name, scale, placement = to
+    called = printable(topic.name)
     messages, decode = _opened(recording, topic, selection)
     most = 1 if selection.at else selection.count
     yielded = seen = 0
@@ -72,18 +96,18 @@ def _usable(
             cloud = _cloud(decode(message.value), message, name, yielded).scaled(scale)
             placed = placement.place(cloud, message.stamp_ns) if placement else cloud
         except (MessageError, MissingTransform) as error:
-            reason = str(error)
-            recording.problems.add(f"frame on {topic.name} left out: {reason}")
+            reason = printable(str(error))
+            recording.problems.add(f"frame on {called} left out: {reason}")
             continue
-        yield placed
+        yield message, placed
         yielded += 1
         if yielded == most:
             return
     if yielded == 0 and seen:
-        recording.problems.counts.pop(f"frame on {topic.name} left out: {reason}", None)  # the error says it
-        raise NoFramesError(f"{name}: none of {seen} frames on {topic.name} can be used: {reason}")
+        recording.problems.counts.pop(f"frame on {called} left out: {reason}", None)  # the error says it
+        raise NoFramesError(f"{name}: none of {seen} frames on {called} can be used: {reason}")
     if yielded == 0:
-        raise NoFramesError(f"{name}: no message on {topic.name} {_in_time(recording, selection)}")
+        raise NoFramesError(f"{name}: no message on {called} {_why_none(recording, selection)}")
 
 
 def _opened(recording: Recording, topic: Topic, selection: Selection) -> tuple[Iterator[Message], Decode]:
@@ -152,13 +176,15 @@ def _window(recording: Recording, selection: Selection) -> tuple[int | None, int
     )
 
 
-def _in_time(recording: Recording, selection: Selection) -> str:
-    if recording.start_ns is None or recording.end_ns is None:
-        return "could be read"
+def _why_none(recording: Recording, selection: Selection) -> str:
     start, end = _window(recording, selection)
+    if recording.start_ns is None or recording.end_ns is None or (start is None and end is None):
+        problem = next(reversed(recording.problems.counts), "")
+        recording.problems.counts.pop(problem, None)  # the error says it
+        return f"could be read{problem and f': {problem}'}"
     words = [f"from {_seconds(start, recording)} s on"] if start else []
     words += [f"before {_seconds(end, recording)} s"] if end else []
-    return f"{' and '.join(words)}; the recording lasts {_seconds(recording.end_ns, recording)} s".strip("; ")
+    return f"{' and '.join(words)}; the recording lasts {_seconds(recording.end_ns, recording)} s"
 
 
 def _seconds(stamp_ns: int, recording: Recording) -> str:

@@ -87,7 +87,7 @@ def parse_every(text: str) -> Every:
     period = _seconds(text[:-1]) if text.endswith("s") else None
     if period is not None and period * NS >= 1:
         return Every(period_ns=int(period * NS))
-    if re.fullmatch(r"0*[1-9]\d*", text):
+    if re.fullmatch(r"0*[1-9]\d{0,17}", text):  # what counts messages is no longer than 64 bits
         return Every(frames=int(text))
     raise UsageError(f"--every {text}: give a number of frames, as 5, or of seconds, as 0.5s")
 

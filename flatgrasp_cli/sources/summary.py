@@ -11,12 +11,12 @@ from typing import Any
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.model import Cloud
 from flatgrasp_cli.sources.containers import Recording, Topic, is_recording, open_recording
-from flatgrasp_cli.sources.frames import recorded_clouds
+from flatgrasp_cli.sources.frames import usable_frames
 from flatgrasp_cli.sources.messages import CLOUD_TYPES, MessageError
 from flatgrasp_cli.sources.open import STDIN, on_disk, read_file
 from flatgrasp_cli.sources.pcd_header import read_pcd_header
 from flatgrasp_cli.sources.placement import TRANSFORM_TYPES
-from flatgrasp_cli.sources.selection import NS, Selection
+from flatgrasp_cli.sources.selection import EVERYTHING, NS
 from flatgrasp_cli.sources.topics import depth_topics
 from flatgrasp_cli.sources.transforms import TransformBuffer
 
@@ -83,7 +83,7 @@ def summarize(source: str) -> Summary:
             return _of_file(path, name)
         with open_recording(path, name) as recording:
             topics = tuple(_of_topic(topic, recording) for topic in recording.topics)
-            clouds = tuple(_of_clouds(path, name, recording))
+            clouds = tuple(_of_clouds(name, recording))
             frames = {*_frames(recording), *(cloud.frame_id for cloud in clouds)} - {""}
             return Summary(
                 name,
@@ -116,16 +116,15 @@ def _of_topic(topic: Topic, recording: Recording) -> TopicSummary:
     return TopicSummary(topic.name, topic.type, topic.encoding, topic.count, rate)
 
 
-def _of_clouds(path: Path, name: str, recording: Recording) -> Iterator[CloudSummary]:
+def _of_clouds(name: str, recording: Recording) -> Iterator[CloudSummary]:
     topics = [topic for topic in recording.topics if topic.type in CLOUD_TYPES and topic.count != 0]
     for topic in (*topics, *depth_topics(recording)):
         try:
-            cloud = next(recorded_clouds(path, name, 1.0, Selection(topic=topic.name, count=1)))
+            message, cloud = next(usable_frames(recording, topic, (name, 1.0, None), EVERYTHING))
         except SourceError as error:
             recording.problems.add(str(error).removeprefix(f"{name}: "))
             continue
-        for message in islice(recording.messages([topic.name]), 1):
-            yield _of_cloud(cloud, _shape(message.value, cloud), _fields(message.value))
+        yield _of_cloud(cloud, _shape(message.value, cloud), _fields(message.value))
 
 
 def _of_cloud(cloud: Cloud, shape: tuple[int, ...], fields: tuple[str, ...]) -> CloudSummary:
@@ -163,12 +162,10 @@ def _fields(message: Any) -> tuple[str, ...]:
 def _frames(recording: Recording) -> tuple[str, ...]:
     """Frames that the first transforms name."""
     buffer = TransformBuffer()
-    for topic in recording.topics:
-        if topic.type not in TRANSFORM_TYPES:
-            continue
-        for message in islice(recording.messages([topic.name]), TRANSFORMS_READ):
+    for name in sorted({topic.name for topic in recording.topics if topic.type in TRANSFORM_TYPES}):
+        for message in islice(recording.messages([name]), TRANSFORMS_READ):
             try:
                 buffer.add(message.value)
             except MessageError as error:
-                recording.problems.add(f"message on {topic.name} left out: {error}")
+                recording.problems.add(f"message on {name} left out: {error}")
     return buffer.frames()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from flatgrasp_cli.errors import SourceError
-from flatgrasp_cli.sources.containers.recording import Recording, Topic
+from flatgrasp_cli.sources.containers.recording import Recording, Topic, printable
 from flatgrasp_cli.sources.messages import CLOUD_TYPES, IMAGE_TYPES, is_depth
 
 LEGACY = "sensor_msgs/msg/PointCloud"
@@ -21,7 +21,7 @@ def choose_topic(recording: Recording, wanted: str | None, name: str) -> Topic:
         If it is not there, holds something else, or if there are several.
     """
     if not recording.topics:
-        problem = next(iter(recording.problems.counts), "")
+        problem = next(reversed(recording.problems.counts), "")  # the last one met is the nearest to the cause
         raise SourceError(f"{name}: is a recording ({recording.container}) without topics{problem and f': {problem}'}")
     if wanted is not None:
         return _called(recording, wanted, name)
@@ -64,7 +64,7 @@ def _listed(topics: tuple[Topic, ...] | list[Topic]) -> str:
         return (topic.type not in CLOUD_TYPES, topic.type not in IMAGE_TYPES, topic.name)
 
     ordered = sorted(topics, key=usefulness)
-    lines = [f"  {topic.name}  {topic.type}  {_counted(topic)}" for topic in ordered[:LISTED]]
+    lines = [f"  {printable(topic.name)}  {printable(topic.type)}  {_counted(topic)}" for topic in ordered[:LISTED]]
     more = [f"  … and {len(ordered) - LISTED} more"] if len(ordered) > LISTED else []
     return "; it has:\n" + "\n".join(lines + more)
 

@@ -128,12 +128,12 @@ class TransformBuffer:
             held = samples[after - 1]
             if after < len(samples) and samples[after].parent == held.parent:
                 return _between(held, samples[after], stamp_ns), None
-        distance = abs(held.stamp_ns - stamp_ns)
-        if distance <= self.tolerance_ns:
+        if abs(held.stamp_ns - stamp_ns) <= self.tolerance_ns:
             return held, None
+        # the sample's time, not the distance to it: the same words for all frames that miss it, which are counted
         return None, (
-            f"{child} ← {held.parent} is not known at that time, the nearest sample is {distance / 1e9:.3f} s "
-            f"{'earlier' if held.stamp_ns < stamp_ns else 'later'}"
+            f"{child} ← {held.parent} is not known at that time, the nearest sample is "
+            f"{'earlier' if held.stamp_ns < stamp_ns else 'later'}, at {held.stamp_ns / 1e9:.3f} s"
         )
 
     def _missing(self, target: str, source: str, up: _Chain, down: _Chain) -> MissingTransform:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from flatgrasp_cli.errors import SourceError
-from flatgrasp_cli.sources.containers.recording import Message, Problems, Recording, Topic
+from flatgrasp_cli.sources.containers.recording import Message, Problems, Recording, Topic, printable
 from flatgrasp_cli.sources.containers.sniff import kind_of
 
-__all__ = ["Message", "Problems", "Recording", "Topic", "is_recording", "open_recording"]
+__all__ = ["Message", "Problems", "Recording", "Topic", "is_recording", "open_recording", "printable"]
 
 
 def is_recording(path: Path) -> bool:

@@ -25,6 +25,8 @@ MAX_FILE_RATIO = 500
 MIN_FILE_BYTES = 2**30
 """A compressed file may grow to 500 times its size, or to 1 GiB if that is more; recordings shrink by 2 to 20."""
 PIECE_BYTES = 2**20
+MESSAGE_PIECE_BYTES = 2**26
+"""Hardly any message is larger, and those that are not take one call."""
 
 UNREADABLE: tuple[type[Exception], ...] = (
     ArithmeticError,
@@ -84,7 +86,7 @@ def inflate(compression: str, data: bytes, size: int) -> tuple[memoryview, str]:
         fault = f"cannot be decompressed: {reason(error)}"
     if len(out) > size:
         return memoryview(b""), "inflates beyond its declared size"
-    return memoryview(bytes(out)), fault or ("" if len(out) == size else "it is cut short")
+    return memoryview(out).toreadonly(), fault or ("" if len(out) == size else "it is cut short")
 
 
 def inflate_message(data: bytes) -> bytes:
@@ -96,10 +98,15 @@ def inflate_message(data: bytes) -> bytes:
         If it is damaged or inflates to more than MAX_CHUNK_BYTES.
     """
     decompressor = zstd.ZstdDecompressor()
-    out = decompressor.decompress(data, MAX_CHUNK_BYTES)
-    if not decompressor.eof:
+    out = decompressor.decompress(data, MESSAGE_PIECE_BYTES)
+    if decompressor.eof:
+        return out
+    grown = bytearray(out)  # all at once, the library would hold a large one twice
+    while not decompressor.eof and not decompressor.needs_input and len(grown) <= MAX_CHUNK_BYTES:
+        grown += decompressor.decompress(b"", MESSAGE_PIECE_BYTES)
+    if not decompressor.eof or len(grown) > MAX_CHUNK_BYTES:
         raise ValueError("its zstd frame is cut short or too large")
-    return out
+    return bytes(grown)
 
 
 def inflate_file(source: BinaryIO, target: BinaryIO, size: int, name: str) -> str:

@@ -193,7 +193,7 @@ class McapRecording(ChunkedRecording):
                 except _FAULTS as error:
                     self.problems.add(f"chunk at byte {chunk.offset} has a damaged record ({reason(error)})", at=end)
         if end < len(data) and not self._is_cut(chunk.offset):
-            self.problems.add(f"chunk at byte {chunk.offset} is damaged: its records run beyond it", at=chunk.offset)
+            self.problems.add(f"chunk at byte {chunk.offset} is damaged at byte {end} of its content", at=chunk.offset)
 
     def _loose(self, chunk: Chunk) -> memoryview:
         return memoryview(self.read_at(chunk.offset, (chunk.end or 0) - chunk.offset))
@@ -228,11 +228,11 @@ class McapRecording(ChunkedRecording):
 
 
 def _records(data: memoryview) -> Iterator[_Record]:
-    """The records that lie whole in `data`."""
+    """The records that lie whole in `data`, up to a byte that begins none."""
     offset = 0
     while offset + 9 <= len(data):
         opcode, length = struct.unpack_from("<BQ", data, offset)
-        if offset + 9 + length > len(data):
+        if opcode == 0 or offset + 9 + length > len(data):  # 0 is no opcode: a gigabyte of them is no data
             return
         yield _Record(opcode, offset + 9, length)
         offset += 9 + length

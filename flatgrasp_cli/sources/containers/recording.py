@@ -13,6 +13,11 @@ MAX_KINDS = 200
 """Kinds of problems told apart; a file of nothing but damage must not fill the memory with words about it."""
 
 
+def printable(text: str) -> str:
+    """Text of a file with what a terminal would obey, or a line would break at, written as an escape."""
+    return "".join(char if char.isprintable() else repr(char)[1:-1] for char in text)
+
+
 @dataclass(frozen=True, slots=True)
 class Topic:
     """One topic: `type` as ROS 2 writes it ("sensor_msgs/msg/PointCloud2") or as the schema is named.
@@ -54,7 +59,7 @@ class Problems:
 
         With `at`, the place of the fault in the file, the same fault met again is not counted again.
         """
-        what = self.place + what
+        what = printable(self.place + what)
         if self.strict:
             raise SourceError(f"{self.name}: {what}")
         if len(self.counts) >= MAX_KINDS and what not in self.counts:

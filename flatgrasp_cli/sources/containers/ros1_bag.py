@@ -45,6 +45,11 @@ class Ros1Recording(ChunkedRecording):
         if stopped < self._index < self.size:
             # the index at the end still tells the connections and the chunks beyond the damage
             self._scan(self._index, name)
+        elif stopped == self.size < self._index:  # cut between two records, which leaves no other trace
+            self.problems.add(
+                f"truncated at byte {stopped}, before its index at byte {self._index}; what comes after is lost",
+                stopped,
+            )
         self.learn()
         self.list_topics(sum((chunk.counts or Counter() for chunk in self.chunks), Counter[int]()))
         self.find_bounds()

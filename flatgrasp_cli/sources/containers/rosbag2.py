@@ -58,7 +58,7 @@ def describe(path: Path, name: str, problems: Problems) -> tuple[list[Path], str
     distro = ""
     try:
         information = _metadata(path / METADATA)
-        names = [PurePosixPath(str(each)).name for each in information["relative_file_paths"]]
+        names = [PurePosixPath(str(each)).name for each in _files(information)]
         listed = [path / each for each in names if each]
         distro = str(information.get("ros_distro") or "")
     except FileNotFoundError:
@@ -83,8 +83,17 @@ def _metadata(path: Path) -> dict[str, Any]:
         document = yaml.safe_load(text)
     except yaml.YAMLError as error:
         raise ValueError("it is no YAML") from error
-    information: dict[str, Any] = document[KEY]
+    information = document.get(KEY) if isinstance(document, dict) else None
+    if not isinstance(information, dict):
+        raise ValueError(f"it has no {KEY}")  # noqa: TRY004 - the file's fault, not the caller's
     return information
+
+
+def _files(information: dict[str, Any]) -> list[Any]:
+    files = information.get("relative_file_paths")
+    if not isinstance(files, list):
+        raise ValueError("it lists no files")  # noqa: TRY004
+    return files
 
 
 class FolderRecording:

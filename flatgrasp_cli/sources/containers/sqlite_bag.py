@@ -16,6 +16,7 @@ from flatgrasp_cli.sources.containers.channels import ChannelRecording, Decoders
 from flatgrasp_cli.sources.containers.definitions import Channel, ros_type
 from flatgrasp_cli.sources.containers.recording import Problems
 
+LOWEST, HIGHEST = -(2**63), 2**63 - 1
 _FAULTS: tuple[type[Exception], ...] = (*UNREADABLE, sqlite3.Error)
 
 
@@ -74,7 +75,9 @@ class SqliteRecording(ChannelRecording):
 
     def raw_messages(self, wanted: frozenset[int], start_ns: int | None, end_ns: int | None) -> Iterator[Raw]:
         """Messages of the wanted channels in order of time: the order first, then each message by its row."""
-        low, high = (-(2**63) if start_ns is None else start_ns), (2**63 - 1 if end_ns is None else end_ns)
+        # SQLite knows no time beyond 64 bits, though a person may ask for the year 9999
+        low = LOWEST if start_ns is None else min(max(start_ns, LOWEST), HIGHEST)
+        high = HIGHEST if end_ns is None else min(max(end_ns, LOWEST), HIGHEST)
         marks = ", ".join("?" * len(wanted))
         query = (
             f"SELECT rowid, topic_id, timestamp FROM messages WHERE topic_id IN ({marks})"  # noqa: S608 question marks

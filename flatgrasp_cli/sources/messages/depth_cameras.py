@@ -27,10 +27,10 @@ class MissingCameraInfo(MessageError):  # noqa: N818 - says what is missing, as 
 
 
 def info_topics_for(image_topic: str, all_topics: Iterable[str]) -> tuple[str, ...]:
-    """Topics to read CameraInfos from: the image's sibling camera_info if there is one, otherwise every camera_info."""
+    """Those of the topics with CameraInfos to read: the image's sibling camera_info if there is one, otherwise all."""
     topics = tuple(all_topics)
     siblings = tuple(topic for topic in _siblings(image_topic) if topic in topics)
-    return siblings[:1] or tuple(topic for topic in topics if topic.rsplit("/", 1)[-1] == INFO_NAME)
+    return siblings[:1] or topics
 
 
 @dataclass(frozen=True, slots=True)
