@@ -115,7 +115,7 @@ def test_plan_from_a_pipe_gives_the_same_and_loads_no_plotting(plate: Path, run:
     assert answer(piped) == answer(direct)
     loaded = modules(done.stderr.decode())
     assert "cv2" in loaded
-    assert loaded.isdisjoint({"matplotlib", "open3d", "rich", "scipy"})
+    assert loaded.isdisjoint({"matplotlib", "open3d", "rich"})
 
 
 def test_help_loads_nothing_heavy() -> None:
