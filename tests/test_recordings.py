@@ -44,6 +44,7 @@ STAMPS = [START_NS + k * PERIOD_NS for k in range(3)]
 PAN_X_M = 0.5
 """Where make_recordings.py puts the pan in base_link."""
 FLOATS = {"f4": 7, "f8": 8}
+NO_INFO = "expected on /depth/camera_info, or one for frame 'camera' and 2 × 2 pixels; CameraInfos seen so far: none"
 
 
 def frames(path: Path, **wanted: Any) -> list[Cloud]:
@@ -433,6 +434,29 @@ def test_summary_of_one_topic_of_two_types(tmp_path: Path, caplog: pytest.LogCap
     assert [(cloud.topic, cloud.points, cloud.fields) for cloud in summary.clouds] == [(POINTS, 100, ("x", "y", "z"))]
     assert summary.problems == {}
     assert not caplog.records
+
+
+def test_what_is_read_ahead_is_counted_once(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    path = tmp_path / "a.bag"
+    image, info = "sensor_msgs/msg/Image", "sensor_msgs/msg/CameraInfo"
+    header = cloud_message(ROS1, np.ones((1, 3), np.float32), "packed").header
+    pixels = ROS1.types[image](header, 2, 2, "16UC1", 0, 4, np.ones(8, np.uint8))
+    with Ros1Writer(path) as writer:
+        infos = writer.add_connection("/depth/camera_info", info, typestore=ROS1)
+        images = writer.add_connection("/depth/image", image, typestore=ROS1)
+        writer.write(infos, START_NS, b"x")
+        writer.write(images, START_NS + 1, b"x")
+        writer.write(images, START_NS + 2, ROS1.serialize_ros1(pixels, image))
+    counts = summarize(str(path)).problems
+    assert [(name.split(" that ")[0], count) for name, count in counts.items()] == [
+        ("message on /depth/camera_info", 1),
+        ("message on /depth/image", 1),
+        (f"none of 1 frames on /depth/image can be used: no CameraInfo for /depth/image: {NO_INFO}", 1),
+    ]
+    with caplog.at_level(logging.WARNING), pytest.raises(SourceError, match="none of 1 frames"):
+        frames(path)
+    assert len(caplog.records) == 2
+    assert not any("times)" in record.getMessage() for record in caplog.records)
 
 
 def test_summary_tells_all_problems_itself(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:

@@ -135,9 +135,11 @@ def _images(
             recording.problems.add(f"message on {message.topic.name} left out: {error}")
 
     infos = info_topics_for(topic.name, [item.name for item in recording.topics if item.type == INFO_TYPE])
+    before = recording.problems.copy()
     for info in infos:  # the first one may come a moment after the first image
         for first in islice(recording.messages([info]), 1):
             learn(first)
+    recording.problems.reset(before)
     for message in recording.messages([topic.name, *infos], *window):
         if message.topic.type == INFO_TYPE:
             learn(message)
