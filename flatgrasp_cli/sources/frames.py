@@ -105,7 +105,8 @@ def usable_frames(
             return
     if yielded == 0 and seen:
         recording.problems.counts.pop(f"frame on {called} left out: {reason}", None)  # the error says it
-        raise NoFramesError(f"{name}: none of {seen} frames on {called} can be used: {reason}")
+        which = "the only frame" if seen == 1 else f"all {seen} frames"
+        raise NoFramesError(f"{name}: {which} on {called} left out: {reason}")
     if yielded == 0:
         raise NoFramesError(f"{name}: no message on {called} {_why_none(recording, selection)}")
 
