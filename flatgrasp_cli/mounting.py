@@ -55,6 +55,7 @@ def mounting(robot: str | None, camera_pose: str | None, base_frame: str | None)
     from flatgrasp_cli.profiles import load_camera_pose, load_robot
 
     arm = load_robot(robot) if robot is not None else None
+    base_frame = base_frame.lstrip("/") if base_frame is not None else None  # tf wrote a slash, tf2 does not
     camera = load_camera_pose(camera_pose) if camera_pose is not None else None
     if arm is None:
         return Mounting(None, camera, base_frame or (BASE_FRAMES[0] if camera else None))

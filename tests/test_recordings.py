@@ -44,6 +44,7 @@ STAMPS = [START_NS + k * PERIOD_NS for k in range(3)]
 PAN_X_M = 0.5
 """Where make_recordings.py puts the pan in base_link."""
 FLOATS = {"f4": 7, "f8": 8}
+NO_INFO = "expected on /depth/camera_info, or one for frame 'camera' and 2 × 2 pixels; CameraInfos seen so far: none"
 
 
 def frames(path: Path, **wanted: Any) -> list[Cloud]:
@@ -176,7 +177,7 @@ def test_depth_images_without_their_camera_say_so(tmp_path: Path) -> None:
         connection = writer.add_connection("/depth/image", "sensor_msgs/msg/Image", typestore=ROS1)
         message = image(header, 2, 2, "16UC1", 0, 4, np.ones(8, np.uint8))
         writer.write(connection, START_NS, ROS1.serialize_ros1(message, "sensor_msgs/msg/Image"))
-    with pytest.raises(SourceError, match=r"none of 1 frames on /depth/image can be used: no CameraInfo"):
+    with pytest.raises(SourceError, match=r"the only frame on /depth/image left out: no CameraInfo"):
         frames(path)
 
 
@@ -276,7 +277,7 @@ def test_transforms_bring_the_pan_to_the_robot(pr2: Gripper) -> None:
 
 
 def test_a_missing_link_is_named() -> None:
-    with pytest.raises(SourceError, match="none of 3 frames") as error:
+    with pytest.raises(SourceError, match="all 3 frames") as error:
         frames(PAN["pan_ros2"], base_frame="torso")
     assert "torso" in str(error.value)
     assert "base_link" in str(error.value)
@@ -382,7 +383,7 @@ def test_transforms_that_cannot_be_decoded_are_told(tmp_path: Path, caplog: pyte
     told = "messages on /tf cannot be decoded: the definition of tf2_msgs/msg/TFMessage cannot be parsed"
     with (
         caplog.at_level(logging.WARNING),
-        pytest.raises(SourceError, match="none of 10 frames"),
+        pytest.raises(SourceError, match="all 10 frames"),
     ):
         frames(path, base_frame="base")
     assert [record.getMessage() for record in caplog.records] == [f"{path}: {told}"]
@@ -433,6 +434,29 @@ def test_summary_of_one_topic_of_two_types(tmp_path: Path, caplog: pytest.LogCap
     assert [(cloud.topic, cloud.points, cloud.fields) for cloud in summary.clouds] == [(POINTS, 100, ("x", "y", "z"))]
     assert summary.problems == {}
     assert not caplog.records
+
+
+def test_what_is_read_ahead_is_counted_once(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    path = tmp_path / "a.bag"
+    image, info = "sensor_msgs/msg/Image", "sensor_msgs/msg/CameraInfo"
+    header = cloud_message(ROS1, np.ones((1, 3), np.float32), "packed").header
+    pixels = ROS1.types[image](header, 2, 2, "16UC1", 0, 4, np.ones(8, np.uint8))
+    with Ros1Writer(path) as writer:
+        infos = writer.add_connection("/depth/camera_info", info, typestore=ROS1)
+        images = writer.add_connection("/depth/image", image, typestore=ROS1)
+        writer.write(infos, START_NS, b"x")
+        writer.write(images, START_NS + 1, b"x")
+        writer.write(images, START_NS + 2, ROS1.serialize_ros1(pixels, image))
+    counts = summarize(str(path)).problems
+    assert [(name.split(" that ")[0], count) for name, count in counts.items()] == [
+        ("message on /depth/camera_info", 1),
+        ("message on /depth/image", 1),
+        (f"the only frame on /depth/image left out: no CameraInfo for /depth/image: {NO_INFO}", 1),
+    ]
+    with caplog.at_level(logging.WARNING), pytest.raises(SourceError, match="the only frame"):
+        frames(path)
+    assert len(caplog.records) == 2
+    assert not any("times)" in record.getMessage() for record in caplog.records)
 
 
 def test_summary_tells_all_problems_itself(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
@@ -554,3 +578,9 @@ def test_inspect_obeys_no_name_and_lists_no_end_of_problems(run: Run, tmp_path: 
     problems = ended.out.splitlines()[-11:]
     assert all(line.startswith("problem: frame on /a\\x1b[31m left out: ") for line in problems[:-1])
     assert problems[-1] == "and 5 more kinds of problems; --json lists them"
+
+
+def test_a_base_frame_may_have_tfs_slash(run: Run) -> None:
+    ended = run("plan", PAN["pan_ros2"], "--base-frame", "/base_link", "--count", "1", "--json", "--gripper", "pr2")
+    assert ended.code == 0
+    assert json.loads(ended.out)["frame_id"] == "base_link"

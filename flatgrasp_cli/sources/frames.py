@@ -105,7 +105,8 @@ def usable_frames(
             return
     if yielded == 0 and seen:
         recording.problems.counts.pop(f"frame on {called} left out: {reason}", None)  # the error says it
-        raise NoFramesError(f"{name}: none of {seen} frames on {called} can be used: {reason}")
+        which = "the only frame" if seen == 1 else f"all {seen} frames"
+        raise NoFramesError(f"{name}: {which} on {called} left out: {reason}")
     if yielded == 0:
         raise NoFramesError(f"{name}: no message on {called} {_why_none(recording, selection)}")
 
@@ -135,9 +136,11 @@ def _images(
             recording.problems.add(f"message on {message.topic.name} left out: {error}")
 
     infos = info_topics_for(topic.name, [item.name for item in recording.topics if item.type == INFO_TYPE])
+    before = recording.problems.copy()
     for info in infos:  # the first one may come a moment after the first image
         for first in islice(recording.messages([info]), 1):
             learn(first)
+    recording.problems.reset(before)
     for message in recording.messages([topic.name, *infos], *window):
         if message.topic.type == INFO_TYPE:
             learn(message)

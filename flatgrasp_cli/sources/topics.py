@@ -40,8 +40,12 @@ def depth_topics(recording: Recording) -> list[Topic]:
 
 
 def _begins_with_depth(recording: Recording, topic: Topic) -> bool:
+    before = recording.problems.copy()
     first = next(recording.messages([topic.name]), None)
-    return first is not None and is_depth(first.value)
+    if first is None or not is_depth(first.value):
+        return False
+    recording.problems.reset(before)  # its frames are read from the beginning
+    return True
 
 
 def _called(recording: Recording, wanted: str, name: str) -> Topic:

@@ -70,6 +70,17 @@ class Problems:
             self.seen.add((what, at))
         self.counts[what] += 1
 
+    def reset(self, earlier: Problems) -> None:
+        """Forget what was met since `earlier`, a copy: it is read once more, and must not be counted twice."""
+        self.counts.clear()
+        self.counts.update(earlier.counts)
+        self.seen.clear()
+        self.seen.update(earlier.seen)
+
+    def copy(self) -> Problems:
+        """The account as it is now."""
+        return replace(self, counts=self.counts.copy(), seen=self.seen.copy())
+
     def within(self, place: str) -> Problems:
         """The same account, for one file of the recording."""
         return replace(self, place=f"{place}: ")
