@@ -174,6 +174,15 @@ def test_alpha_region_drops_a_row_of_points_and_what_hangs_on_it() -> None:
     assert region.area == pytest.approx(30**2, rel=0.03)
 
 
+@given(seeds)
+def test_alpha_region_of_a_thin_ring_is_a_ring(seed: int) -> None:
+    """Its inner and outer outline share points, and may cross."""
+    angles = np.random.default_rng(seed).uniform(0, 2 * np.pi, 500)
+    radii = np.where(np.arange(500) % 5 == 0, 10.3, 10.0)
+    region = alpha_region(np.column_stack([radii * np.cos(angles), radii * np.sin(angles)]), 2.5)
+    assert region.area < 1.1 * np.pi * (10.3**2 - 10**2)
+
+
 @given(st.floats(0, np.pi), seeds)
 def test_minimum_area_axis_finds_the_long_side(angle: float, seed: int) -> None:
     points = np.random.default_rng(seed).uniform([-2, -1], [2, 1], (300, 2))

@@ -18,7 +18,7 @@ from flatgrasp_cli.geometry.polygon import cross, following, signed_area
 MAX_CELLS = 4_000_000
 CELLS_PER_ALPHA = np.sqrt(2)
 """A disc of radius α, wherever it lies, holds a whole cell of side α/√2: the one around its centre."""
-PIXELS_PER_ALPHA, MAX_PIXELS = 8.0, 100_000
+PIXELS_PER_ALPHA, MAX_PIXELS = 6.0, 60_000
 """Resolution of the distance transform. A point that the disc would touch on less than a pixel's way may be missed."""
 FILLINGS = 3
 
@@ -74,10 +74,14 @@ def alpha_region(points: FloatArray, alpha_m: float) -> Any:
     shell = _filled(_turning(rings[largest], 1.0), alpha_m)
     if len(shell) < 3:
         return None
-    shape = shapely.Polygon(shell, [hole for hole in holes if len(hole) >= 3])
+    holes = [hole for hole in holes if len(hole) >= 3]
+    shape = shapely.Polygon(shell, holes)
     if not shape.is_valid:  # the disc rolled along both sides of a row of points
-        parts = shapely.get_parts(shapely.get_parts(shapely.make_valid(shape)))  # of a collection that holds others
-        pieces = [part for part in parts if part.geom_type == "Polygon"]
+        solid = shapely.make_valid(shapely.Polygon(shell))
+        rest = shapely.difference(
+            solid, shapely.union_all([shapely.make_valid(shapely.Polygon(hole)) for hole in holes])
+        )
+        pieces = [part for part in shapely.get_parts(shapely.get_parts(rest)) if part.geom_type == "Polygon"]
         shape = max(pieces, key=lambda part: float(shapely.Polygon(part.exterior).area), default=None)
     return shape if shape is not None and shape.area > 0 else None
 

@@ -31,9 +31,15 @@ class Slice:
     rows: IntArray
 
 
+def top_of(heights: FloatArray) -> float:
+    """How high an object reaches, single high points aside."""
+    place = round(TOP_QUANTILE * (len(heights) - 1))
+    return float(np.partition(heights, place)[place])
+
+
 def lowest_tip(heights: FloatArray, settings: DepthSettings) -> float:
     """How low fingertips may go over the support plane: the clearance, less for an object hardly higher than that."""
-    top = float(np.quantile(heights, TOP_QUANTILE))
+    top = top_of(heights)
     return float(min(settings.table_clearance_m, max(settings.min_clearance_m, top * settings.low_object_share)))
 
 
@@ -45,7 +51,7 @@ def slices(local: FloatArray, cell_m: float, settings: DepthSettings) -> list[Sl
     cell_of = chart.cells_of(local)
     below = np.full(chart.heights.shape, np.count_nonzero(np.isfinite(chart.heights)))  # footprint that cells belong to
     taken = np.full(chart.heights.shape, MOST_ALIKE)  # slices with about that footprint
-    top = float(np.quantile(local[:, 2], TOP_QUANTILE))
+    top = top_of(local[:, 2])
     for level in np.arange(lowest + settings.slice_step_m, top - settings.min_grip_m, settings.slice_step_m):
         _, labels, boxes, _ = cv2.connectedComponentsWithStats((chart.heights > level).view(np.uint8), connectivity=8)
         piece = np.where(local[:, 2] > level, labels.ravel()[cell_of], 0)

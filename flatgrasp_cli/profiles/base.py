@@ -10,7 +10,8 @@ from pydantic import BaseModel, ConfigDict, Field
 class Profile(BaseModel):
     """A frozen model in which an unknown key, NaN or infinity is an error."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    # built when first used: a command uses a few of the models, and of most only as parts of others
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
 
 
 Length = Annotated[float, Field(ge=0, le=10)]

@@ -33,7 +33,7 @@ Status = Literal["ok", "no_grasp"]
 
 
 class _Part(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
 
 class SourcePart(_Part):

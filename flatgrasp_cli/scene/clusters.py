@@ -26,7 +26,7 @@ RING_M = 0.04
 RIM_M = 0.015
 """An object's middle lies at least this far inside the convex hull of the plane: what stands at its edge is cut off."""
 MIN_POINTS = 30
-GRID_SAMPLE, SCATTER_SAMPLE = 50_000, 10_000
+GRID_SAMPLE, SCATTER_SAMPLE = 20_000, 10_000
 BLOCK = 16_384
 CALM_WINDOW_M = 0.025
 MARGIN_M = 0.1
