@@ -255,7 +255,7 @@ class TestDocument:
             assert part["metrics"]["tip_height_m"] == pytest.approx(position[2], abs=1 * MM)
             assert part["metrics"]["grip_m"] > DEPTH.min_grip_m
             assert part["metrics"]["unseen_m"] >= 0
-            assert part["cage"] is None
+            assert part["cage"] is not None
             assert part["reach"]["ok"] is True
             assert set(part["reach"]["joints_rad"]) == {"pre_grasp", "grasp", "lift"}
             assert (part["reach"]["waypoint"], part["reach"]["limit"]) == (None, None)

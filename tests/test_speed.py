@@ -139,11 +139,10 @@ def test_slices_that_are_not_planned_would_not_have_won(monkeypatch: pytest.Monk
     hands = [load_gripper(name) for name in ("pr2", "lacquey")]
     few = [grasps_of(plan(SCENE, hand)) for hand in hands]
 
-    def all_parts(*args: Any) -> Any:
-        cloud, parts, *rest = args
-        return min((pipeline._plan_part(cloud, part, *rest) for part in parts), key=pipeline._least_cost)
+    def all_parts(parts: list[Any], planned: Callable[[Any], Any], _settings: Any) -> Any:
+        return min(map(planned, parts), key=pipeline._best_first)
 
-    monkeypatch.setattr(pipeline, "_best_part", all_parts)
+    monkeypatch.setattr(pipeline, "_cheapest", all_parts)
     for hand, grasps in zip(hands, few, strict=True):
         every = grasps_of(plan(SCENE, hand))
         assert len(every) == len(grasps) > 0
