@@ -35,6 +35,8 @@ MAX_PAIRS = 200_000
 """Hands × cells worked on at once: as much as stays in a processor's cache."""
 LOWER_M = 0.001
 """A smaller opening must let the fingertips down by more than this to be chosen."""
+GRIP_SLACK_M = 0.0005
+"""Heights are not known better than this."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -149,7 +151,7 @@ def land(
     def miss(value: float) -> str:
         return f"the pads would end {value:.3f} m too high: something below the fingers or the palm keeps the hand up"
 
-    kept = funnel.at_most("depth", pairs, need - landing.grip, 0.0, miss)
+    kept = funnel.at_most("depth", pairs, need - landing.grip, GRIP_SLACK_M, miss)
     if depth.unseen == "refuse":
         plain = funnel.at_most(
             "unseen", pairs.select(kept), landing.unseen[kept], 0.0, lambda value: f"{value:.3f} m of the way is hidden"
