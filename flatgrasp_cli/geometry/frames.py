@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,16 +43,18 @@ def axes_from_quaternion(quaternion: FloatArray) -> FloatArray:
 def quaternion_from_axes(axes: FloatArray) -> FloatArray:
     """Unit quaternion [x, y, z, w], w ≥ 0, of the frame whose rows `axes` (3, 3) are its x, y, z axes in the world.
 
-    Shepperd's method (Journal of Guidance and Control 1(3), 1978): divide by the largest of the four components.
+    Shepperd's method (Journal of Guidance and Control 1(3), 1978): divide by the largest of the four components. Plain
+    numbers: numpy takes ten times as long for so few.
     """
-    r = axes.T
-    diagonal = np.array([r[0, 0], r[1, 1], r[2, 2], np.trace(r)])
-    i = int(np.argmax(diagonal))
+    r = axes.T.tolist()
+    diagonal = [r[0][0], r[1][1], r[2][2], r[0][0] + r[1][1] + r[2][2]]
+    i = diagonal.index(max(diagonal))
+    q = [0.0] * 4
     if i == 3:
-        q = np.array([r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1], 1.0 + diagonal[3]])
+        q = [r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1], 1.0 + diagonal[3]]
     else:
         j, k = (i + 1) % 3, (i + 2) % 3
-        q = np.empty(4)
-        q[[i, j, k, 3]] = 1.0 + 2 * r[i, i] - diagonal[3], r[j, i] + r[i, j], r[k, i] + r[i, k], r[k, j] - r[j, k]
-    q /= np.linalg.norm(q)
-    return -q if q[3] < 0 else q
+        q[i], q[j] = 1.0 + 2 * r[i][i] - diagonal[3], r[j][i] + r[i][j]
+        q[k], q[3] = r[k][i] + r[i][k], r[k][j] - r[j][k]
+    length = math.copysign(math.hypot(*q), q[3])
+    return np.array(q) / length

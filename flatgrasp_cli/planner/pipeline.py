@@ -178,7 +178,9 @@ def _grasps(
     touched = np.stack([fingers.contact[pairs.i], fingers.contact[pairs.j]], axis=1)
     heights = np.repeat(landing.touch[:, None, None], 2, axis=1)
     contacts = frame.to_world(np.concatenate([touched, heights], axis=2))
-    hand_x, hand_y = left_normal(pairs.axis) @ frame.axes[:2], pairs.axis @ frame.axes[:2]
+    axes = np.empty((len(pairs), 3, 3))
+    axes[:, 0], axes[:, 1] = left_normal(pairs.axis) @ frame.axes[:2], pairs.axis @ frame.axes[:2]
+    axes[:, 2] = -frame.axes[2]
     columns = {
         "opening_m": landing.opening,
         "width_m": fit.width,
@@ -199,7 +201,7 @@ def _grasps(
         Grasp(
             rank=k + 1,
             position=position[k],
-            orientation=quaternion_from_axes(np.stack([hand_x[k], hand_y[k], -frame.axes[2]])),
+            orientation=quaternion_from_axes(axes[k]),
             contacts=contacts[k],
             fingers=place,
             **dict(zip(columns, row, strict=True)),

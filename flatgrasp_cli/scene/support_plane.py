@@ -15,7 +15,7 @@ from flatgrasp_cli.model import SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 
 SAMPLE = 2000
-REFINEMENT_SAMPLE = 5_000
+REFINEMENT_SAMPLE = 10_000
 HYPOTHESES = 250
 MAX_PLANES = 4
 """Planes looked for, one after another, while enough of the sample is left for one that counts."""
