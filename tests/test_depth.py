@@ -16,7 +16,6 @@ from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 from flatgrasp_cli.model import Cloud, Grasp, ObjectPlan
 from flatgrasp_cli.planner import plan_object
-from flatgrasp_cli.planner.depth import GRIP_SLACK_M
 from flatgrasp_cli.planner.slices import lowest_tip, slices
 from flatgrasp_cli.profiles import Gripper
 from flatgrasp_cli.scene import segment
@@ -219,7 +218,7 @@ class TestOpening:
         assert result.best is None
         rejection = result.objects[0].rejection
         assert rejection is not None
-        assert (rejection.stage, rejection.limit) == ("depth", GRIP_SLACK_M)
+        assert (rejection.stage, rejection.limit) == ("depth", 0.0)
         assert best(planned(ABOVE.sees(TABLE, block), lacquey)).width_m == pytest.approx(0.04, abs=3 * MM)
 
     def test_a_low_obstacle_only_keeps_the_fingertips_up(self, pr2: Gripper) -> None:

@@ -13,6 +13,9 @@ from flatgrasp_cli.planner.force_closure import friction_margin, lift_margins, p
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
 
+INSIDE_M = 1e-4
+"""How far inside a basin the hand comes: at its very edge nothing is sure."""
+
 
 def certified(plan: ObjectPlan, gripper: Gripper, settings: PlannerSettings, top: int) -> ObjectPlan:
     """The plan with certificates, and the best `top` of its grasps by the settings' preference.
@@ -24,7 +27,7 @@ def certified(plan: ObjectPlan, gripper: Gripper, settings: PlannerSettings, top
         return replace(plan, grasps=plan.grasps[:top])
     hands = hands_of(plan.grasps, outline)
     cages = certify(outline.loops, hands, gripper, settings.caging)
-    openings = np.array([_preshape(grasp, cage) for grasp, cage in zip(plan.grasps, cages, strict=True)])
+    openings = np.array([_preshape(*each, settings.hand.clearance_m) for each in zip(plan.grasps, cages, strict=True)])
     if (openings < hands.opening).any():
         hands = replace(hands, opening=openings)
         cages = certify(outline.loops, hands, gripper, settings.caging)
@@ -38,7 +41,8 @@ def certified(plan: ObjectPlan, gripper: Gripper, settings: PlannerSettings, top
         grasps = [grasp for grasp in grasps if is_caged(grasp)]
         funnel = (*funnel, Stage("cage", len(grasps)))
         if not grasps:
-            rejection = Rejection("cage", f"none of the {len(cages)} best grasps is a cage: {cages[0].reason}")
+            reason = cages[0].reason or "its cage leaves no room to come with"
+            rejection = Rejection("cage", f"none of the {len(cages)} best grasps is a cage: {reason}")
     if settings.caging.prefer == "cage":
         grasps.sort(key=_surest_first)
     ranked = tuple(replace(grasp, rank=k + 1) for k, grasp in enumerate(grasps[:top]))
@@ -58,15 +62,19 @@ def hands_of(grasps: tuple[Grasp, ...], outline: Silhouette) -> Hands:
 
 
 def is_caged(grasp: Grasp) -> bool:
-    """Whether the grasp is a cage even if the outline errs: a margin within its noise is no proof."""
-    return grasp.cage is not None and grasp.cage.guaranteed
+    """Whether the hand comes into a cage that closes into this grasp, even if the outline errs by its noise."""
+    return grasp.cage is not None and grasp.cage.guaranteed and grasp.cage.basin_on_approach
 
 
-def _preshape(grasp: Grasp, cage: Cage) -> float:
-    """The opening to come with: no more than that from which closing surely ends in this grasp, where one is known."""
-    if not cage.guaranteed or cage.basin_opening_max_m is None:
+def _preshape(grasp: Grasp, cage: Cage, clearance_m: float) -> float:
+    """The opening to come with: no more than that from which closing surely ends in this grasp, where there is one.
+
+    A basin that would leave the fingers less than their clearance beside the object cannot be come into.
+    """
+    basin = cage.basin_opening_max_m
+    if not cage.guaranteed or basin is None or basin <= grasp.width_m + 2 * clearance_m:
         return grasp.opening_m
-    return min(grasp.opening_m, max(cage.basin_opening_max_m, grasp.width_m))
+    return min(grasp.opening_m, max(basin - INSIDE_M, grasp.width_m + 2 * clearance_m))
 
 
 def _surest_first(grasp: Grasp) -> tuple[bool, float, float]:

@@ -35,8 +35,6 @@ MAX_PAIRS = 200_000
 """Hands × cells worked on at once: as much as stays in a processor's cache."""
 LOWER_M = 0.001
 """A smaller opening must let the fingertips down by more than this to be chosen."""
-GRIP_SLACK_M = 0.0005
-"""Heights are not known better than this."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -137,7 +135,8 @@ def land(
     deepest = deepest_tip(terrain, depth)
     headroom = gripper.finger_length_m - depth.palm_clearance_m
     palm = _under_palm(centers(fingers, pairs, fit), pairs.axis, terrain.whole, deepest + headroom, gripper)
-    tips = np.where(below > terrain.ground_m, below + depth.obstacle_clearance_m, deepest)
+    clearance = np.where(below > terrain.lowest_m, depth.obstacle_clearance_m, depth.min_clearance_m)
+    tips = np.where(below > terrain.ground_m, below + clearance, deepest)  # lower ones are the plane's own ripple
     tips = np.maximum(tips, np.maximum(palm - headroom, deepest))
     choice = np.argmax(tips <= tips.min(axis=0) + LOWER_M, axis=0)  # widest of those that let the tips down
     columns = np.arange(len(pairs))
@@ -151,7 +150,7 @@ def land(
     def miss(value: float) -> str:
         return f"the pads would end {value:.3f} m too high: something below the fingers or the palm keeps the hand up"
 
-    kept = funnel.at_most("depth", pairs, need - landing.grip, GRIP_SLACK_M, miss)
+    kept = funnel.at_most("depth", pairs, need - landing.grip, 0.0, miss)
     if depth.unseen == "refuse":
         plain = funnel.at_most(
             "unseen", pairs.select(kept), landing.unseen[kept], 0.0, lambda value: f"{value:.3f} m of the way is hidden"
