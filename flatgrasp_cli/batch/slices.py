@@ -12,8 +12,8 @@ from flatgrasp_cli.sources.remote import is_url
 from flatgrasp_cli.sources.selection import Every, Moment, Selection
 from flatgrasp_cli.sources.topics import choose_topic
 
-FRAMES = 16
-"""Frames of a slice, on average: a second or two of work, which is what an interruption costs at most."""
+FRAMES = 10
+"""Frames of a slice, on average: about a second of work, which is what an interruption costs at most."""
 
 
 @dataclass(frozen=True, slots=True)

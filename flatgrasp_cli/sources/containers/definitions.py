@@ -9,6 +9,7 @@ import json
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
@@ -47,6 +48,7 @@ def ros_type(name: str) -> str:
     return f"{parts[0]}/msg/{parts[1]}" if len(parts) == 2 else "/".join(parts)
 
 
+@lru_cache(maxsize=16)  # a batch opens a recording once for each slice
 def decoder_of(channel: Channel) -> Callable[[bytes], Any]:
     """A function from a message's bytes to an object with the definition's fields.
 

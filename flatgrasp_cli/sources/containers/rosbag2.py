@@ -80,7 +80,8 @@ def _metadata(path: Path) -> dict[str, Any]:
     with path.open("rb") as file:
         text = file.read(MAX_METADATA_BYTES)
     try:
-        document = yaml.safe_load(text)
+        # libyaml, where it is there, is ten times as fast, and batch reads this once for each slice
+        document = yaml.load(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # noqa: S506
     except yaml.YAMLError as error:
         raise ValueError("it is no YAML") from error
     information = document.get(KEY) if isinstance(document, dict) else None
