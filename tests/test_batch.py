@@ -35,7 +35,7 @@ from tests.test_cli import slab, write_pcd
 from tests.test_recordings import cloud_message
 
 PERIOD_NS = 100_000_000
-LONG = 3 * FRAMES
+LONG = 8 * FRAMES
 FAST = ("--gripper", "pr2", "--scene", "object", "--top", "1")
 COMMAND = [sys.executable, "-m", "flatgrasp_cli", "batch"]
 
