@@ -35,7 +35,7 @@ from tests.test_cli import slab, write_pcd
 from tests.test_recordings import cloud_message
 
 PERIOD_NS = 100_000_000
-LONG = 8 * FRAMES
+LONG = 4 * FRAMES
 FAST = ("--gripper", "pr2", "--scene", "object", "--top", "1")
 COMMAND = [sys.executable, "-m", "flatgrasp_cli", "batch"]
 
@@ -265,7 +265,9 @@ def whole(long: Path, plate: Path, tmp_path_factory: pytest.TempPathFactory) -> 
 def started(long: Path, plate: Path, tmp_path: Path) -> subprocess.Popen[str]:
     """A batch of two workers, at a moment at which some slices are done and some are not."""
     command = [*COMMAND, str(long), str(plate), "-o", "out", "-j", "2", *FAST]
+    inherited = signal.signal(signal.SIGINT, signal.default_int_handler)  # jobs in a shell's background ignore Ctrl-C
     process = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+    signal.signal(signal.SIGINT, inherited)
     end = time.monotonic() + 60
     while not list((tmp_path / "out").rglob("parts/long/*.jsonl")):
         assert process.poll() is None

@@ -36,8 +36,9 @@ def certify(loops: Sequence[FloatArray], hands: Hands, gripper: Gripper, setting
     best = _farthest(found, outward=outward)
     found = _pick(found, best)
     sure = np.full(len(hands), np.nan)
-    if outline.eroded is not None:
-        proof = _pick(_openings(caging_of(outline.eroded, settings), points, aside), best)
+    eroded = outline.eroded(settings.noise_m) if found.caged.any() else None
+    if eroded is not None:
+        proof = _pick(_openings(caging_of(eroded, settings), points, aside), best)
         sure = np.where(proof.caged, proof.escape, np.nan)
     forgiven = _forgiven(loops, hands, found, gripper, outward=outward)
     return tuple(_cage(hands, found, k, (float(sure[k]), forgiven.get(k)), outward=outward) for k in range(len(hands)))

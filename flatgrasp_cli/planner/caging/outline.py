@@ -24,14 +24,25 @@ CONVEX_SHARE = 1e-9
 class Outline:
     """What caging is computed on.
 
-    `boundary` strays from the outline by at most `tolerance_m`; `eroded`, None if nothing is left, lies within every
-    outline that differs from the given one by no more than the noise: what holds it holds them all.
+    `region`, a shapely polygon with the `boundary`, strays from the outline by at most `tolerance_m`.
     """
 
+    region: Any
     boundary: Boundary
-    eroded: Boundary | None
     convex: bool
     tolerance_m: float
+
+    def eroded(self, noise_m: float) -> Boundary | None:
+        """What lies within every outline that differs from the given one by no more than the noise; None if nothing.
+
+        What holds that holds them all.
+        """
+        import shapely
+
+        with np.errstate(all="ignore"):  # GEOS divides by zero on the way, and numpy would warn of it
+            small = self.region.buffer(-(noise_m + self.tolerance_m), join_style="mitre", mitre_limit=MITRE)
+        part = max(shapely.get_parts(small), key=lambda each: each.area, default=None)  # of a rigid body, one is enough
+        return None if part is None or part.is_empty else boundary_of(part)
 
 
 def prepare(loops: Sequence[FloatArray], settings: CagingSettings) -> Outline | None:
@@ -42,16 +53,8 @@ def prepare(loops: Sequence[FloatArray], settings: CagingSettings) -> Outline | 
     if not region.is_valid or region.area == 0:
         return None
     plain, tolerance = _simplified(region, settings)
-    with np.errstate(all="ignore"):  # GEOS divides by zero on the way, and numpy would warn of it
-        small = plain.buffer(-(settings.noise_m + tolerance), join_style="mitre", mitre_limit=MITRE)
-    small = max(shapely.get_parts(small), key=lambda part: part.area, default=None)  # of a rigid body, one is enough
     hull = plain.convex_hull.area
-    return Outline(
-        boundary=boundary_of(plain),
-        eroded=None if small is None or small.is_empty else boundary_of(small),
-        convex=hull - plain.area <= CONVEX_SHARE * hull,
-        tolerance_m=tolerance,
-    )
+    return Outline(plain, boundary_of(plain), hull - plain.area <= CONVEX_SHARE * hull, tolerance)
 
 
 def _simplified(region: Any, settings: CagingSettings) -> tuple[Any, float]:
