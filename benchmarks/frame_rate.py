@@ -61,6 +61,7 @@ STAGES = {
     ),
     "operability, depth": ((pipeline, "operable"), (pipeline, "land")),
     "ranking": ((pipeline, "ranking_cost"), (pipeline, "best_first"), (pipeline, "_grasps")),
+    "certificates": ((pipeline, "certified"),),
 }
 
 
