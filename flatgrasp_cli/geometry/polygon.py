@@ -125,8 +125,10 @@ def _columns(points: FloatArray) -> FloatArray:
     return np.ascontiguousarray(points.T)[:, :, None]
 
 
-def circle_exits(loop: FloatArray, positions: FloatArray, radius: float) -> FloatArray:
+def circle_exits(loop: FloatArray, positions: FloatArray, radius: FloatArray | float) -> FloatArray:
     """Arc length (m,) at which the loop, followed from each of `positions` (m,), first leaves the circle around it.
+
+    `radius` is that of all circles, or of each (m,).
 
     The paper's eq. (1), d₁ₙ ≤ r ≤ d₁ₙ₊₁, solved exactly on the edge (n, n+1) with the smallest serial number ahead: a
     disc is convex, so the first edge that leaves it is the first whose end lies outside. Answers lie ahead of
@@ -134,10 +136,10 @@ def circle_exits(loop: FloatArray, positions: FloatArray, radius: float) -> Floa
     """
     arc, n = arc_positions(loop), len(loop)
     centres = points_at(loop, positions)
-    dx, dy = loop[:, 0] - centres[:, :1], loop[:, 1] - centres[:, 1:]
-    outside = np.tile(dx * dx + dy * dy > radius * radius, 2)  # the vertices of two rounds
-    outside &= np.arange(2 * n) >= np.searchsorted(arc, positions, side="right")[:, None]
-    end = outside.argmax(axis=1) % n
+    dx, dy = loop.T[:, None] - _columns(centres)  # (m, n)
+    outside = dx * dx + dy * dy > np.square(radius).reshape(-1, 1)
+    ahead = outside & (np.arange(n) >= np.searchsorted(arc, positions, side="right")[:, None])
+    end = np.where(ahead.any(axis=1), ahead.argmax(axis=1), outside.argmax(axis=1))  # in this round or the next
     start = (end - 1) % n
     unit = (loop[end] - loop[start]) / (arc[start + 1] - arc[start])[:, None]
     to_centre = centres - loop[start]

@@ -50,24 +50,25 @@ def finger_candidates(
     A hand whose two jaws differ (a thumb against a pair) gets candidates of its own for each jaw.
     """
     jaws = (EITHER_JAW,) if gripper.symmetric else (0, 1)
-    parts = [
-        _candidates_of_loop(silhouette.loops[step.loop], step, (jaw, gripper.jaw_width_m(max(jaw, 0))), settings)
-        for jaw in jaws
-        for step in steps
-    ]
+    widths = {jaw: gripper.jaw_width_m(max(jaw, 0)) for jaw in jaws}
+    parts = [_candidates_of_loop(silhouette.loops[step.loop], step, widths, settings) for step in steps]
     columns = [column.name for column in fields(FingerCandidates)]
-    return FingerCandidates(*(np.concatenate([getattr(part, name) for part in parts]) for name in columns))
+    found = FingerCandidates(*(np.concatenate([getattr(part, name) for part in parts]) for name in columns))
+    return found.select(np.argsort(found.jaw, kind="stable"))
 
 
 def _candidates_of_loop(
-    loop: FloatArray, steps: StepPoints, jaw_and_width: tuple[int, float], settings: FingerSettings
+    loop: FloatArray, steps: StepPoints, widths: dict[int, float], settings: FingerSettings
 ) -> FingerCandidates:
-    jaw, width = jaw_and_width
-    ends = polygon.circle_exits(loop, steps.positions, width)
+    """Those of all jaws, whose `widths` are given."""
+    jaw = np.repeat(list(widths), len(steps.positions))
+    width = np.repeat(list(widths.values()), len(steps.positions))
+    begins = np.tile(steps.positions, len(widths))
+    ends = polygon.circle_exits(loop, begins, width)
     perimeter = polygon.arc_positions(loop)[-1]
     found = np.isfinite(ends) & ((ends < perimeter) | (settings.walk == "cyclic"))
-    found &= ends - steps.positions <= (settings.arc_ratio_max or np.inf) * width
-    begins, ends = steps.positions[found], ends[found]
+    found &= ends - begins <= (settings.arc_ratio_max or np.inf) * width
+    begins, ends, width = begins[found], ends[found], width[found]
     arcs = polygon.points_at(loop, begins[:, None] + np.linspace(0.0, 1.0, ARC_SAMPLES) * (ends - begins)[:, None])
     start, end = arcs[:, 0], arcs[:, -1]
     normal = polygon.left_normal(end - start)
@@ -77,8 +78,8 @@ def _candidates_of_loop(
         end=end,
         contact=0.5 * (start + end),
         direction=normal,
-        width=np.full(len(begins), width),
-        jaw=np.full(len(begins), jaw),
+        width=width,
+        jaw=jaw[found],
         arcs=arcs,
         variance=_variance(loop, (begins, ends), (start, normal), arcs, settings),
         arc_ratio=(ends - begins) / width,
