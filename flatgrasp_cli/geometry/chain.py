@@ -42,14 +42,14 @@ class Chain:
         """The chain with y turned over."""
         return Chain(self.x, -self.y, -self.slope, self.breaks)
 
-    def clipped(self, low: float, high: float) -> tuple[FloatArray, FloatArray]:
-        """Lowest and highest y (n − 1, p) of each edge in the strip low ≤ x ≤ high; inf and −inf where it misses it."""
+    def clipped(self, low: float, high: float) -> tuple[BoolArray, FloatArray, FloatArray]:
+        """Which edges (n − 1, p) meet the strip low ≤ x ≤ high, and the lowest and highest y of each that does there."""
         below, above = self.x < high, self.x > low
         meets = (below[:-1] | below[1:]) & (above[:-1] | above[1:])
         meets[self.breaks] = False
-        shift = np.minimum(np.maximum(self.x, low), high) - self.x
+        shift = self.x.clip(low, high) - self.x
         begin, end = self.y[:-1] + self.slope * shift[:-1], self.y[1:] + self.slope * shift[1:]
-        return np.where(meets, np.minimum(begin, end), np.inf), np.where(meets, np.maximum(begin, end), -np.inf)
+        return meets, np.minimum(begin, end), np.maximum(begin, end)
 
     def holds(self, x: float, y: FloatArray) -> BoolArray:
         """Whether the points (x, y) (p,) lie inside: oddly many edges pass above."""

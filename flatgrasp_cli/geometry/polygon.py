@@ -92,10 +92,10 @@ def contains(loops: Sequence[FloatArray], points: FloatArray) -> BoolArray:
     """
     start, end = edges(loops)
     (ax, ay), (bx, by), (x, y) = _columns(start), _columns(end), points.T  # (n, 1) against (m,)
-    rise = by - ay
-    slope = (bx - ax) / np.where(rise == 0, 1.0, rise)
-    straddles = (ay > y) != (by > y)
-    return np.asarray(np.logical_xor.reduce(straddles & (x < ax + slope * (y - ay)), axis=0))
+    edge, point = np.nonzero((ay > y) != (by > y))  # few of all: what follows runs over those alone
+    ax, ay, bx, by, x, y = ax[edge, 0], ay[edge, 0], bx[edge, 0], by[edge, 0], x[point], y[point]
+    right = x < ax + (bx - ax) / (by - ay) * (y - ay)
+    return np.asarray(np.bincount(point[right], minlength=len(points)) % 2 == 1)
 
 
 def share_inside(loops: Sequence[FloatArray], starts: FloatArray, ends: FloatArray) -> FloatArray:
@@ -113,10 +113,11 @@ def share_inside(loops: Sequence[FloatArray], starts: FloatArray, ends: FloatArr
     fx, fy = ax - sx, ay - sy
     side = lx * fy - ly * fx  # of each edge's start, and below of its end, against the segment's line
     determinant = lx * ey - ly * ex
-    t = (fx * ey - fy * ex) / np.where(determinant == 0, 1.0, determinant)
-    crosses = ((side > 0) != (side + determinant > 0)) & (t > 0) & (t < 1)
-    signed = np.where(determinant > 0, t, -t)  # the region lies left of the edge: + leaves it
-    inside = np.where(crosses, signed, 0.0).sum(axis=0) + contains(loops, starts + along)
+    edge, segment = np.nonzero((side > 0) != (side + determinant > 0))  # few of all
+    leaves = determinant[edge, segment]  # the region lies left of the edge: + leaves it
+    t = (fx[edge, segment] * ey[edge, 0] - fy[edge, segment] * ex[edge, 0]) / leaves
+    signed = np.where((t > 0) & (t < 1), np.copysign(t, leaves), 0.0)
+    inside = np.bincount(segment, weights=signed, minlength=len(starts)) + contains(loops, starts + along)
     return np.asarray(np.clip(inside, 0.0, 1.0))
 
 

@@ -56,6 +56,6 @@ class RangeImage:
     def _pixels(self, x: FloatArray, y: FloatArray) -> IntArray:
         """Flat pixel indices (…); those outside fall on the empty rim."""
         rows, columns = self.ranges.shape
-        row = np.maximum(np.minimum((x - self.corner[0]) / self.pitch, rows - 1), 0).astype(np.intp)
-        column = np.maximum(np.minimum((y - self.corner[1]) / self.pitch, columns - 1), 0).astype(np.intp)
+        row = ((x - self.corner[0]) / self.pitch).clip(0, rows - 1).astype(np.intp)
+        column = ((y - self.corner[1]) / self.pitch).clip(0, columns - 1).astype(np.intp)
         return np.asarray(row * columns + column)

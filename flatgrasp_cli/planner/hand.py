@@ -222,10 +222,10 @@ def _jaw_fit(
     """
     pad, obstacle = np.full(len(level), -np.inf), np.full(len(level), np.inf)
     for offset in offsets:
-        lowest, highest = outline.clipped(offset - finger_width / 2, offset + finger_width / 2)
+        meets, lowest, highest = outline.clipped(offset - finger_width / 2, offset + finger_width / 2)
         beyond = highest > level
-        pad = np.maximum(pad, np.where(beyond, -np.inf, highest).max(axis=0))
-        obstacle = np.minimum(obstacle, np.where(beyond, lowest, np.inf).min(axis=0))
+        pad = np.maximum(pad, np.where(meets & ~beyond, highest, -np.inf).max(axis=0))
+        obstacle = np.minimum(obstacle, np.where(meets & beyond, lowest, np.inf).min(axis=0))
         obstacle[(obstacle < level) | outline.holds(offset, level)] = -np.inf
     touches = np.isfinite(pad)
     pad = np.where(touches, pad, 0.0)

@@ -58,14 +58,15 @@ def sliced(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, settings
     average, ground = fine.averaged(local), settings.depth.min_clearance_m
     parts = []
     for piece in slices(local, cell_m, settings.depth):
+        if len(piece.rows) == len(local):
+            terrain = Terrain(piece.level_m, lowest, ground, average, average, others, fine, whole, view)
+            parts.append(Part(box, frame, cloud.points, terrain, spacing_m))
+            continue
         apart = np.ones(len(local), dtype=np.bool_)
         apart[piece.rows] = False
-        surface = fine.averaged(local[piece.rows])
-        rest = others.raised(local[apart])
+        surface, rest = fine.averaged(local[piece.rows]), others.raised(local[apart])
         terrain = Terrain(piece.level_m, lowest, ground, surface, average, rest, fine, whole, view)
-        whole_object = len(piece.rows) == len(local)
-        points = cloud.points if whole_object else cloud.points[piece.rows]
-        parts.append(Part(box, frame, points, terrain, spacing_m if whole_object else None))
+        parts.append(Part(box, frame, cloud.points[piece.rows], terrain))
     return parts
 
 

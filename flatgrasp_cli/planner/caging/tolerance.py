@@ -45,15 +45,16 @@ def _shifts(x: FloatArray, y: FloatArray, breaks: IntArray, boxes: Sequence[Box]
     outline, turned = Chain(x, y, slopes(x, y), breaks), []
     least = np.full((2, x.shape[1]), np.inf)
     for box in boxes:
-        lowest, highest = outline.clipped(box.low, box.high)
+        meets, lowest, highest = outline.clipped(box.low, box.high)
         apart = np.maximum(lowest - box.far, box.near - highest)
-        least[0] = np.minimum(least[0], apart.min(axis=0))
+        least[0] = np.minimum(least[0], np.where(meets, apart, np.inf).min(axis=0))
     for box in boxes:
         middle = 0.5 * (box.near + box.far)  # strips as wide as each hand's box: seen in units of it
         scale = 0.5 * (box.far - box.near)
         level = (y - middle) / scale
-        lowest, highest = Chain(level, x, slopes(level, x), breaks).clipped(-1.0, 1.0)
-        turned.append(np.maximum(lowest - box.high, box.low - highest).min(axis=0))
+        meets, lowest, highest = Chain(level, x, slopes(level, x), breaks).clipped(-1.0, 1.0)
+        apart = np.maximum(lowest - box.high, box.low - highest)
+        turned.append(np.where(meets, apart, np.inf).min(axis=0))
     least[1] = np.min(turned, axis=0)
     return np.asarray(np.maximum(least, 0.0))
 
@@ -65,8 +66,8 @@ def _clearance(x: FloatArray, y: FloatArray, breaks: IntArray, boxes: Sequence[B
 
 
 def _overlap(outline: Chain, box: Box) -> BoolArray:
-    lowest, highest = outline.clipped(box.low, box.high)
-    touches = ((lowest <= box.far) & (highest >= box.near)).any(axis=0)
+    meets, lowest, highest = outline.clipped(box.low, box.high)
+    touches = (meets & (lowest <= box.far) & (highest >= box.near)).any(axis=0)
     return np.asarray(touches | outline.holds(0.5 * (box.low + box.high), 0.5 * (box.near + box.far)))
 
 
@@ -81,7 +82,7 @@ def _gap(outline: Chain, box: Box) -> FloatArray:
     squared[squared == 0] = 1.0
     for corner_x, corner_y in box.corners:
         from_x, from_y = corner_x - outline.x[:-1], corner_y - outline.y[:-1]
-        where = np.clip((from_x * run + from_y * rise) / squared, 0.0, 1.0)
+        where = ((from_x * run + from_y * rise) / squared).clip(0.0, 1.0)
         apart = (from_x - where * run) ** 2 + (from_y - where * rise) ** 2
         least = np.minimum(least, apart.min(axis=0))
     return np.asarray(np.sqrt(least))
