@@ -43,7 +43,7 @@ class Chain:
         return Chain(self.x, -self.y, -self.slope, self.breaks)
 
     def clipped(self, low: float, high: float) -> tuple[BoolArray, FloatArray, FloatArray]:
-        """Which edges (n − 1, p) meet the strip low ≤ x ≤ high, and the lowest and highest y of each that does there."""
+        """Which edges (n − 1, p) meet the strip low ≤ x ≤ high, and the lowest and highest y of each that does."""
         below, above = self.x < high, self.x > low
         meets = (below[:-1] | below[1:]) & (above[:-1] | above[1:])
         meets[self.breaks] = False

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import Float32Array, FloatArray, IntArray
+from flatgrasp_cli.geometry.arrays import Float32Array, FloatArray, IntArray, true_entries
 from flatgrasp_cli.geometry.frames import Frame
 
 UNSEEN = -np.inf
@@ -76,7 +76,7 @@ class HeightMap:
 
     def higher_than(self, height: float) -> FloatArray:
         """Middles and heights (k, 3) of the cells higher than `height`."""
-        row, column = np.nonzero(self.heights > height)
+        row, column = true_entries(self.heights > height)
         middle = self.origin + self.cell_m * (np.column_stack([row, column]) + 0.5)
         return np.column_stack([middle, self.heights[row, column]])
 

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray, true_entries
 
 END_SHARE = 1e-4
 
@@ -92,7 +92,7 @@ def contains(loops: Sequence[FloatArray], points: FloatArray) -> BoolArray:
     """
     start, end = edges(loops)
     (ax, ay), (bx, by), (x, y) = _columns(start), _columns(end), points.T  # (n, 1) against (m,)
-    edge, point = np.nonzero((ay > y) != (by > y))  # few of all: what follows runs over those alone
+    edge, point = true_entries((ay > y) != (by > y))  # few of all: what follows runs over those alone
     ax, ay, bx, by, x, y = ax[edge, 0], ay[edge, 0], bx[edge, 0], by[edge, 0], x[point], y[point]
     right = x < ax + (bx - ax) / (by - ay) * (y - ay)
     return np.asarray(np.bincount(point[right], minlength=len(points)) % 2 == 1)
@@ -113,7 +113,7 @@ def share_inside(loops: Sequence[FloatArray], starts: FloatArray, ends: FloatArr
     fx, fy = ax - sx, ay - sy
     side = lx * fy - ly * fx  # of each edge's start, and below of its end, against the segment's line
     determinant = lx * ey - ly * ex
-    edge, segment = np.nonzero((side > 0) != (side + determinant > 0))  # few of all
+    edge, segment = true_entries((side > 0) != (side + determinant > 0))  # few of all
     leaves = determinant[edge, segment]  # the region lies left of the edge: + leaves it
     t = (fx[edge, segment] * ey[edge, 0] - fy[edge, segment] * ex[edge, 0]) / leaves
     signed = np.where((t > 0) & (t < 1), np.copysign(t, leaves), 0.0)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray, true_entries
 from flatgrasp_cli.geometry.polygon import cross, dot
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates
 from flatgrasp_cli.planner.fingers import EITHER_JAW
@@ -31,7 +31,7 @@ def force_balance(fingers: FingerCandidates) -> FloatArray:
     """
     rows, columns = opposing_candidates(fingers)
     cosine = -fingers.direction[rows] @ fingers.direction[columns].T
-    return np.asarray(np.degrees(np.arccos(np.minimum(np.maximum(cosine, -1.0), 1.0))))
+    return np.asarray(np.degrees(np.arccos(cosine.clip(-1.0, 1.0))))
 
 
 def distinct(fingers: FingerCandidates, rows: IntArray, columns: IntArray) -> BoolArray:
@@ -86,7 +86,7 @@ def force_balanced(
         funnel.count("facing", int(allowed.sum()), "no two finger candidates press toward each other")
     limit = limits.force_balance_max_deg or 180.0
     smallest = float(gamma_deg.min(where=allowed, initial=np.inf))
-    row, column = np.nonzero(allowed & (gamma_deg <= max(limit, smallest)))  # the survivors, or else the nearest miss
+    row, column = true_entries(allowed & (gamma_deg <= max(limit, smallest)))  # the survivors, or else the nearest miss
     pairs = weigh(fingers, rows[row], columns[column], gamma_deg[row, column])
     kept = funnel.at_most(
         "force_balance",

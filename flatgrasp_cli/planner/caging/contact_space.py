@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
+from flatgrasp_cli.geometry.arrays import FloatArray, IntArray, true_entries
 from flatgrasp_cli.planner.caging.boundary import Boundary
 from flatgrasp_cli.planner.caging.merge_tree import (
     ESCAPE,
@@ -81,7 +81,7 @@ def squeezing(boundary: Boundary, told_apart: float) -> Caging:
     of_side = found.of_node  # of vertex a and edge j: that of edges a and j, for they hold that placement
     floor = found.lowest[of_side]
     tolerance = SAME * float(np.ptp(boundary.start))
-    vertex, edge = np.nonzero((distance <= floor + tolerance) & (floor > tolerance))
+    vertex, edge = true_entries((distance <= floor + tolerance) & (floor > tolerance))
     minima = Contacts(vertex, edge, where[vertex, edge])
     tunnels = _closing_tunnels(boundary, minima, distance[vertex, edge], of_side)
     levels = merge_levels(found.lowest, [found.links, ends, tunnels], told_apart)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import IntArray
+from flatgrasp_cli.geometry.arrays import IntArray, true_entries
 from flatgrasp_cli.geometry.polygon import distance_to_segment
 from flatgrasp_cli.planner.caging.boundary import Boundary
 from flatgrasp_cli.planner.caging.contact_space import Caging, Contacts
@@ -25,7 +25,7 @@ def stretching(boundary: Boundary, told_apart: float) -> Caging:
     birth = -np.hypot(apart[..., 0], apart[..., 1])
     land = Landscape(birth, -distance.T, boundary.follow, boundary.back)
     found = basins(land)
-    first, second = np.nonzero((birth <= found.lowest[found.of_node]) & (birth < 0))  # both orders: each finger moves
+    first, second = true_entries((birth <= found.lowest[found.of_node]) & (birth < 0))  # both orders: each finger moves
     tunnels = _opening_tunnels(boundary, first, second, found.of_node)
     levels = merge_levels(found.lowest, [found.links, tunnels], told_apart)
     return Caging(boundary, land, found, levels, Contacts(first, second, np.zeros(len(first))), stretching=True)
