@@ -45,15 +45,15 @@ def gravity_center(silhouette: Silhouette, method: str) -> FloatArray:
 
 def gravity_distance(fingers: FingerCandidates, pairs: GraspCandidates, center: FloatArray) -> FloatArray:
     """Distance (p,) of the centre of gravity to each grasping line, the one through both contacts, in metres."""
-    contact = fingers.contact[pairs.i]
-    along = (fingers.contact[pairs.j] - contact) / pairs.distance[:, None]
+    contact = fingers.contact.take(pairs.i, axis=0)
+    along = (fingers.contact.take(pairs.j, axis=0) - contact) / pairs.distance[:, None]
     return np.abs(cross(along, center - contact))
 
 
 def overhang(fingers: FingerCandidates, pairs: GraspCandidates, center: FloatArray) -> FloatArray:
     """How far (p,) the centre of gravity lies beyond the contacts, along the grasping line, in metres."""
-    middle = 0.5 * (fingers.contact[pairs.i] + fingers.contact[pairs.j])
-    along = (fingers.contact[pairs.j] - fingers.contact[pairs.i]) / pairs.distance[:, None]
+    one, other = (fingers.contact.take(k, axis=0) for k in (pairs.i, pairs.j))
+    middle, along = 0.5 * (one + other), (other - one) / pairs.distance[:, None]
     return np.maximum(np.abs(dot(center - middle, along)) - 0.5 * pairs.distance, 0.0)
 
 

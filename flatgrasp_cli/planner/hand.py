@@ -53,14 +53,15 @@ def closing_axes(fingers: FingerCandidates, pairs: GraspCandidates, method: str)
     """The pairs with the axis to close along: (n_i − n_j), on which both pads lie flush, or the line of contacts."""
     if method == "contacts":
         return pairs
-    axis = fingers.direction[pairs.i] - fingers.direction[pairs.j]
+    axis = fingers.direction.take(pairs.i, axis=0) - fingers.direction.take(pairs.j, axis=0)
     length = np.linalg.norm(axis, axis=1, keepdims=True)
     return replace(pairs, axis=np.where(length > 1e-9, axis / np.maximum(length, 1e-9), pairs.axis))
 
 
 def on_pads(fingers: FingerCandidates, pairs: GraspCandidates, gripper: Gripper, funnel: Funnel) -> GraspCandidates:
     """The pairs whose contacts both lie under the pads: on the bisector they lie aside, each its own way."""
-    aside = 0.5 * np.abs(cross(pairs.axis, fingers.contact[pairs.j] - fingers.contact[pairs.i]))
+    apart = fingers.contact.take(pairs.j, axis=0) - fingers.contact.take(pairs.i, axis=0)
+    aside = 0.5 * np.abs(cross(pairs.axis, apart))
     beside_pad = (aside - _half_widths(gripper)).max(axis=0)
     kept = funnel.at_most(
         "pads", pairs, beside_pad, 0.0, lambda value: f"in the best pair a contact lies {value:.3f} m beside its pad"
@@ -166,10 +167,10 @@ def extents(fingers: FingerCandidates, pairs: GraspCandidates) -> FloatArray:
     Their sum is the width that the jaws must really clear; the distance of the contacts can be less.
     """
     middle = dot(_middles(fingers, pairs), pairs.axis)
-    samples = np.moveaxis(fingers.arcs, 1, 0)  # (k, m, 2): reductions run fast over a long last axis
-    low = dot(samples[:, pairs.i], pairs.axis).min(axis=0)
-    high = dot(samples[:, pairs.j], pairs.axis).max(axis=0)
-    return np.stack([middle - low, high - middle])
+    x, y = np.ascontiguousarray(fingers.arcs.T)  # (k, m) each: reductions run fast over a long last axis
+    along_x, along_y = pairs.axis.T
+    low, high = (x.take(k, axis=1) * along_x + y.take(k, axis=1) * along_y for k in (pairs.i, pairs.j))
+    return np.stack([middle - low.min(axis=0), high.max(axis=0) - middle])
 
 
 def swept_fit(
@@ -277,4 +278,4 @@ def palm_intrusion(outline: Silhouette, hand_centers: FloatArray, axes: FloatArr
 
 
 def _middles(fingers: FingerCandidates, pairs: GraspCandidates) -> FloatArray:
-    return np.asarray(0.5 * (fingers.contact[pairs.i] + fingers.contact[pairs.j]))
+    return np.asarray(0.5 * (fingers.contact.take(pairs.i, axis=0) + fingers.contact.take(pairs.j, axis=0)))

@@ -96,14 +96,15 @@ def hidden_extent(
     rows = np.flatnonzero(shadowed)
     if len(rows) == 0:
         return extent
-    profiles = surface.over(*pad_places(fingers.select(rows), PROFILE_M, ACROSS[::2]))
+    fingers = fingers.select(rows)
+    profiles = surface.over(*pad_places(fingers, PROFILE_M, ACROSS[::2]))
     known = np.isfinite(profiles)
     total = np.where(known, profiles, 0.0).sum(axis=1)
     count = known.sum(axis=1)
     heights = np.where(count > 0, total / np.maximum(count, 1), np.nan).T  # (k, distances)
     near = PROFILE_M <= LIMB_M
     limb, measured = _line(PROFILE_M[near], heights[:, near])
-    slope = _limb_slope(fingers.select(rows), limb, viewpoint)
+    slope = _limb_slope(fingers, limb, viewpoint)
     half = 0.5 * np.nanmax(np.where(np.isfinite(heights), heights, 0.0), axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
         c = (limb - half) / half

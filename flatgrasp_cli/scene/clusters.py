@@ -188,7 +188,8 @@ def _hull(mask: BoolArray) -> Any:
     import shapely
 
     rows, first, last = _ends(mask)
-    return shapely.MultiPoint(np.column_stack([np.tile(rows, 2), np.concatenate([first, last])])).convex_hull
+    ends = np.column_stack([np.tile(rows, 2), np.concatenate([first, last])])
+    return shapely.LineString(ends).convex_hull  # a line's, for many points take long to make
 
 
 def _ends(mask: BoolArray) -> tuple[IntArray, IntArray, IntArray]:

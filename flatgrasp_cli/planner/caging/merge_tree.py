@@ -57,7 +57,7 @@ def basins(land: Landscape) -> Basins:
 
     What is left out this way are links that flooding has joined already when it reaches them.
     """
-    from scipy.sparse import coo_matrix
+    from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import connected_components
 
     n = len(land.birth)
@@ -70,7 +70,8 @@ def basins(land: Landscape) -> Basins:
     lowest = levels.argmin(axis=0)
     here = np.arange(len(i))
     drains = levels[lowest, here] <= birth
-    graph = coo_matrix((drains, (here, np.where(drains, neighbours[lowest, here], here))), shape=(len(i), len(i)))
+    ways = np.where(drains, neighbours[lowest, here], here)  # one out of each node
+    graph = csr_matrix((np.ones(len(i)), ways, np.arange(len(i) + 1)), shape=(len(i), len(i)))
     count, label = connected_components(graph, directed=False)
     bottom = np.full(count, np.inf)
     np.minimum.at(bottom, label, birth)
