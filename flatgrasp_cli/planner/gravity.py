@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import FloatArray, IntArray, true_entries
+from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.geometry.polygon import area_centroid, cross, dot, left_normal, share_inside
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates, Silhouette
 from flatgrasp_cli.planner.depth import Landing
@@ -94,10 +94,9 @@ def _loneliness(middles: FloatArray, axes: FloatArray) -> FloatArray:
         some = slice(first, first + every * NEIGHBOURS_AT_ONCE, every)
         near = np.abs(middle[some] @ axis.T - at_along) < MISS_STEP_M
         near &= np.abs(axis[some] @ axis.T) > np.float32(np.cos(np.radians(MISS_DEG)))
-        row, column = true_entries(near)
-        aside = (middle[some] @ across.T - at_aside)[row, column]
+        aside = middle[some] @ across.T - at_aside
         for k, miss in enumerate(MISSES_M):
-            met[k, column[(aside > miss - MISS_STEP_M) & (aside < miss + MISS_STEP_M)]] = True
+            met[k] |= (near & (aside > miss - MISS_STEP_M) & (aside < miss + MISS_STEP_M)).any(axis=0)
     return np.asarray(1.0 - met.mean(axis=0))
 
 
