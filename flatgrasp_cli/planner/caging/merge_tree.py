@@ -97,26 +97,12 @@ def merge_levels(lowest: FloatArray, links: Iterable[Links], told_apart: float) 
     """
     a, b, level = (np.concatenate(column) for column in zip(*links, strict=True))
     count = len(lowest) + 1  # ESCAPE is the last
-    a, b, level = _tree(*_lowest(a % count, b % count, level, count), count)
+    a, b, level = _lowest(a % count, b % count, level, count)
     flood = _Flood(lowest, told_apart)
     for x, y, at in zip(a.tolist(), b.tolist(), level.tolist(), strict=True):
         flood.join(x, y, at)
     flood.end()
     return MergeLevels(np.array(flood.escape), np.array(flood.merge), np.array(flood.ends_in))
-
-
-def _tree(a: IntArray, b: IntArray, level: FloatArray, count: int) -> Links:
-    """Of links in ascending order those that join what no lower one has joined.
-
-    Places in that order serve as weights: distinct, and never the 0 that a sparse matrix would drop.
-    """
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import minimum_spanning_tree
-
-    weights = np.arange(1.0, len(level) + 1)
-    tree = minimum_spanning_tree(coo_matrix((weights, (a, b)), shape=(count, count)))
-    kept = np.sort(tree.data).astype(np.intp) - 1
-    return a[kept], b[kept], level[kept]
 
 
 class _Flood:
@@ -134,8 +120,11 @@ class _Flood:
         self.ends_in = list(range(count))
 
     def join(self, a: int, b: int, level: float) -> None:
-        """Let the pools of basins `a` and `b`, not yet joined, become one at `level`."""
-        out, x, y = self._root(len(self.parent) - 1), self._root(a), self._root(b)
+        """Let the pools of basins `a` and `b` become one at `level`, unless they are."""
+        x, y = self._root(a), self._root(b)
+        if x == y:
+            return
+        out = self._root(len(self.parent) - 1)
         if y == out or (x != out and len(self.dry[x]) < len(self.dry[y])):
             x, y = y, x  # x swallows y
         if x == out:
