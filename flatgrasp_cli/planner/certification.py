@@ -33,8 +33,8 @@ def certified(plan: ObjectPlan, gripper: Gripper, settings: PlannerSettings, top
         cages = certify(outline.loops, hands, gripper, settings.caging)
     closures = _closures(plan.grasps, hands, outline, gripper, settings)
     grasps = [
-        replace(grasp, cage=cage, closure=closure, opening_m=float(opening))
-        for grasp, cage, closure, opening in zip(plan.grasps, cages, closures, openings, strict=True)
+        replace(grasp, cage=cage, closure=closure, opening_m=opening)
+        for grasp, cage, closure, opening in zip(plan.grasps, cages, closures, openings.tolist(), strict=True)
     ]
     funnel, rejection = plan.funnel, None
     if settings.caging.require:
@@ -45,7 +45,9 @@ def certified(plan: ObjectPlan, gripper: Gripper, settings: PlannerSettings, top
             rejection = Rejection("cage", f"none of the {len(cages)} best grasps is a cage: {reason}")
     if settings.caging.prefer == "cage":
         grasps.sort(key=_surest_first)
-    ranked = tuple(replace(grasp, rank=k + 1) for k, grasp in enumerate(grasps[:top]))
+    ranked = tuple(
+        grasp if grasp.rank == rank else replace(grasp, rank=rank) for rank, grasp in enumerate(grasps[:top], start=1)
+    )
     return replace(plan, grasps=ranked, funnel=funnel, rejection=rejection)
 
 
