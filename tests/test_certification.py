@@ -91,6 +91,19 @@ def test_preferred_cages_come_first(pr2: Gripper) -> None:
         assert grasp.opening_m <= (grasp.cage.basin_opening_max_m or np.inf)  # nothing can go wrong from there on
 
 
+@pytest.mark.parametrize("name", ["electric_drill", "pan"])
+def test_a_hand_comes_with_room_and_into_the_basin(name: str, pr2: Gripper) -> None:
+    """A basin too narrow to come into is no cage, and no reason to come with less room than the fingers need."""
+    (cloud,) = read_clouds(SAMPLES / f"{name}.pcd")
+    clearance = load_settings().hand.clearance_m
+    grasps = [grasp for item in plan(cloud, pr2, top=60).objects for grasp in item.grasps]
+    assert any(is_caged(grasp) for grasp in grasps)
+    for grasp in grasps:
+        assert grasp.opening_m >= grasp.width_m + 2 * clearance - 1e-9
+        if is_caged(grasp) and grasp.cage is not None and grasp.cage.basin_opening_max_m is not None:
+            assert grasp.opening_m < grasp.cage.basin_opening_max_m
+
+
 def test_force_closure_of_flush_pads(pr2: Gripper) -> None:
     grasp = best(cloud_of(sampled(rectangle(120, 40))), pr2)
     assert grasp.closure is not None
@@ -153,7 +166,11 @@ def test_cage_of_a_cloud(run: Run) -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["", "[]", "[[1,2],[3,4]]", "[[1,2],[3,4],[5,NaN]]", "{", "a,b\nc,d", "[[1,2,3],[1,2,3],[4,5,6]]"]
+    "text",
+    [
+        *("", "[]", "[[1,2],[3,4]]", "[[1,2],[3,4],[5,NaN]]", "{", "a,b\nc,d", "[[1,2,3],[1,2,3],[4,5,6]]"),
+        *("[[0,0],[3,3],[3,0],[0,3]]", "[[0,0],[1,1],[2,2]]", "[[[0,0],[9,0],[9,9]],[[20,20],[21,20],[21,21]]]"),
+    ],
 )
 def test_what_is_no_polygon(text: str, tmp_path: Path) -> None:
     path = tmp_path / "bad.json"

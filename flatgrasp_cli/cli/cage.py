@@ -73,7 +73,10 @@ def _print(document: dict[str, Any]) -> None:
     from rich.table import Table
 
     name = document["source"] if document["object"] is None else f"{document['source']}, object {document['object']}"
-    table = Table(title=escape(name), title_justify="left", caption=document["reason"], caption_justify="left")
+    if not document["grasps"]:
+        click.echo(f"{name}: {document['reason']}")
+        return
+    table = Table(title=escape(name), title_justify="left")
     way = "max" if document["closing"] == "inward" else "min"
     for heading in ("rank", "width", "another grasp from", "gets away from", "contacts"):
         table.add_column(heading, justify="right")

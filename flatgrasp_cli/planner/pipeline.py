@@ -113,7 +113,7 @@ def _section_three(
     funnel.count("silhouette", len(outline.loops), "the points are too scattered for an outline")
     if settings.method == "allen":
         grasps = point_finger_grasps(outline, terrain.lowest_m if terrain else 0.0, settings)
-        funnel.count("immobilising", len(grasps), "no two points of the outline hold it: it is convex, or nearly")
+        funnel.count("immobilising", len(grasps), "no two points of the outline hold it, as on any convex one")
         return grasps[:top]
 
     # A.3 step points, finger candidates, grasping directions

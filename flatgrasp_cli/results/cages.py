@@ -31,7 +31,7 @@ def cage_document(
         "object": thing,
         "closing": settings.closing,
         "loops": [loop.tolist() for loop in loops],
-        "reason": None if found else "no two points of the outline hold it: it is convex, or nearly",
+        "reason": None if found else "no two points of the outline hold it, as on any convex one",
         "grasps": [
             {
                 "rank": k + 1,

@@ -27,7 +27,7 @@ def read_polygon(source: str) -> tuple[FloatArray, ...]:
     Raises
     ------
     SourceError
-        If the file holds no such lists of numbers, or an outline of less than three corners.
+        If the file holds no such lists of numbers, an outline of less than three corners, or one that crosses itself.
     """
     try:
         if Path(source).stat().st_size > MAX_BYTES:
@@ -44,7 +44,19 @@ def read_polygon(source: str) -> tuple[FloatArray, ...]:
         if loop.ndim != 2 or loop.shape[1:] != (2,) or len(loop) < 3 or not np.isfinite(loop).all():
             raise SourceError(f"{source}: is no polygon: every loop needs three or more corners of two finite numbers")
     loops = [loop[:-1] if np.array_equal(loop[0], loop[-1]) else loop for loop in loops]
+    _check_simple(source, loops)
     return tuple(_turned(loop, clockwise=k > 0) for k, loop in enumerate(loops))
+
+
+def _check_simple(source: str, loops: list[FloatArray]) -> None:
+    """Refuse loops that have no inside, and say where."""
+    import shapely
+
+    reason = shapely.is_valid_reason(shapely.Polygon(loops[0], loops[1:]))
+    if reason != "Valid Geometry":
+        text, _, place = str(reason).rstrip("]").partition("[")
+        at = f" at {place}" if place else ""
+        raise SourceError(f"{source}: is no simple polygon: {text.lower()}{at}")
 
 
 def _from_json(text: str) -> list[FloatArray]:
