@@ -41,8 +41,7 @@ def certified(plan: ObjectPlan, gripper: Gripper, settings: PlannerSettings, top
         grasps = [grasp for grasp in grasps if is_caged(grasp)]
         funnel = (*funnel, Stage("cage", len(grasps)))
         if not grasps:
-            reason = cages[0].reason or "its cage leaves no room to come with"
-            rejection = Rejection("cage", f"none of the {len(cages)} best grasps is a cage: {reason}")
+            rejection = Rejection("cage", f"none of the {len(cages)} best grasps is a cage: {_why_not(cages[0])}")
     if settings.caging.prefer == "cage":
         grasps.sort(key=_surest_first)
     ranked = tuple(
@@ -66,6 +65,12 @@ def hands_of(grasps: tuple[Grasp, ...], outline: Silhouette) -> Hands:
 def is_caged(grasp: Grasp) -> bool:
     """Whether the hand comes into a cage that closes into this grasp, even if the outline errs by its noise."""
     return grasp.cage is not None and grasp.cage.guaranteed and grasp.cage.basin_on_approach
+
+
+def _why_not(cage: Cage) -> str:
+    if cage.reason is not None:
+        return cage.reason
+    return "its basin leaves no room to come with" if cage.guaranteed else "its cage is no deeper than the noise"
 
 
 def _preshape(grasp: Grasp, cage: Cage, clearance_m: float) -> float:
