@@ -41,12 +41,11 @@ def find_inputs(arguments: Iterable[str]) -> list[Input]:
     """
     found: dict[str, PurePosixPath] = {}
     for argument in arguments:
-        count = len(found)
         seen = False
         for source, place in _expanded(argument):
             seen = True
             found.setdefault(source, place)
-        if not seen and len(found) == count:
+        if not seen:
             raise SourceError(f"{argument}: holds no clouds and no recordings")
     taken: set[str] = set()
     return [Input(source, _unique(_safe(place), taken)) for source, place in found.items()]
@@ -86,16 +85,23 @@ def _expanded(argument: str) -> Iterator[tuple[str, PurePosixPath]]:
             yield from _expanded(match)
 
 
-def _searched(folder: Path, root: Path) -> Iterator[tuple[str, PurePosixPath]]:
-    for path in sorted(folder.iterdir()):
+def _searched(folder: Path, root: Path, above: frozenset[Path] = frozenset()) -> Iterator[tuple[str, PurePosixPath]]:
+    """What lies in a folder and below; links back to a folder `above` it are not followed."""
+    try:
+        paths = sorted(folder.iterdir())
+    except OSError:
+        yield str(folder), PurePosixPath(*folder.relative_to(root.parent).parts)  # reading it will tell
+        return
+    above |= {folder.resolve()}
+    for path in paths:
         if path.name.startswith("."):
             continue
         place = PurePosixPath(*path.relative_to(root).parts)
         if path.is_dir():
             if _is_rosbag2(path):
                 yield str(path), place
-            else:
-                yield from _searched(path, root)
+            elif path.resolve() not in above:
+                yield from _searched(path, root, above)
         elif path.suffix.lower() in CLOUDS or is_recording(path):
             yield str(path), place
 

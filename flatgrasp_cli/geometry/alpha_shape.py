@@ -49,10 +49,6 @@ class CellGrid:
         x, y = ((columns - self._origin[:, None]) * self._per_metre + 1).astype(np.intp)
         return np.asarray(x * self.shape[1] + y)
 
-    def cells_of(self, points: FloatArray) -> IntArray:
-        """Flat index (m,) of the cells in which `points` (m, 2), within the extent, lie."""
-        return self._cells_of(points.T)
-
     def largest_piece(self) -> tuple[BoolArray, float]:
         """The connected cells with the most points, as a mask over the points (n,), and their share of the points."""
         _, labels = cv2.connectedComponents(self.occupied.view(np.uint8), connectivity=8)

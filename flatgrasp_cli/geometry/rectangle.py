@@ -13,11 +13,6 @@ def minimum_area_axis(points: FloatArray) -> FloatArray:
 
     One side of that rectangle lies on an edge of the convex hull (Freeman & Shapira, CACM 18(7), 1975), so all edges
     are tried at once.
-
-    Raises
-    ------
-    scipy.spatial.QhullError
-        If the points lie on a line.
     """
     middle = points.mean(axis=0)  # OpenCV's single precision is enough close to it
     corners = cv2.convexHull((points - middle).astype(np.float32), returnPoints=False)

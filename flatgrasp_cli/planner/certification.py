@@ -43,7 +43,7 @@ def certified(plan: ObjectPlan, gripper: Gripper, settings: PlannerSettings, top
         if not grasps:
             rejection = Rejection("cage", f"none of the {len(cages)} best grasps is a cage: {_why_not(cages[0])}")
     if settings.caging.prefer == "cage":
-        grasps.sort(key=_surest_first)
+        grasps.sort(key=surest_first)
     ranked = tuple(
         grasp if grasp.rank == rank else replace(grasp, rank=rank) for rank, grasp in enumerate(grasps[:top], start=1)
     )
@@ -84,7 +84,7 @@ def _preshape(grasp: Grasp, cage: Cage, clearance_m: float) -> float:
     return min(grasp.opening_m, max(basin - INSIDE_M, grasp.width_m + 2 * clearance_m))
 
 
-def _surest_first(grasp: Grasp) -> tuple[bool, float, float]:
+def surest_first(grasp: Grasp) -> tuple[bool, float, float]:
     """Grasps with a cage first, those before others that forgive the larger miss; then the cheaper one."""
     forgiven = grasp.cage.tolerance.position_m if grasp.cage and grasp.cage.tolerance else 0.0
     return (not is_caged(grasp), -forgiven, grasp.cost_m)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -23,7 +25,7 @@ from flatgrasp_cli.model import (
 )
 from flatgrasp_cli.planner.allen import point_finger_grasps
 from flatgrasp_cli.planner.balance import force_balance, force_balanced, torque_balanced
-from flatgrasp_cli.planner.certification import certified, is_caged
+from flatgrasp_cli.planner.certification import certified, surest_first
 from flatgrasp_cli.planner.depth import Landing, at_mid_height, deepest_tip, land, upright
 from flatgrasp_cli.planner.fingers import finger_candidates, inward_directions, step_points
 from flatgrasp_cli.planner.funnel import Funnel, NothingLeft
@@ -32,7 +34,7 @@ from flatgrasp_cli.planner.hand import Fit, centers, clear_of_palm, closing_axes
 from flatgrasp_cli.planner.main_plane import oriented_box
 from flatgrasp_cli.planner.parts import Part, sliced, standing
 from flatgrasp_cli.planner.shadow import of_known_thickness, seen_sides
-from flatgrasp_cli.planner.silhouette import silhouette
+from flatgrasp_cli.planner.silhouette import silhouette, without_strays
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
 
@@ -44,6 +46,8 @@ def plan_object(cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings,
     the grasps are those of the slice with the best one; a standing object that cannot be grasped from above is planned
     in the main plane of its own bounding box.
     """
+    if cloud.support is None:
+        cloud = replace(cloud, points=without_strays(cloud.points, settings.silhouette))
     box = oriented_box(cloud.points, cloud.viewpoint, settings.main_plane.method, cloud.support)
     if box is None:
         end = Rejection("main_plane", _no_plane(cloud.points))
@@ -58,9 +62,13 @@ def plan_object(cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings,
             return _plan_part(cloud, part, gripper, settings, top)
         return certified(_plan_part(cloud, part, gripper, settings, settings.caging.considered), gripper, settings, top)
 
-    best = min(map(planned, parts), key=_best_first) if cages_decide else _cheapest(parts, planned, settings)
+    best_first = partial(_best_first, by_cage=settings.caging.prefer == "cage")
+    if cages_decide or settings.method == "allen":  # whose costs are no lengths that add up
+        best = min(map(planned, parts), key=best_first)
+    else:
+        best = _cheapest(parts, planned, settings)
     side = standing(cloud, box, settings) if cloud.support is not None and not best.grasps else None
-    best = best if side is None else min(best, planned(side), key=_best_first)
+    best = best if side is None else min(best, planned(side), key=best_first)
     return best if cages_decide else certified(best, gripper, settings, top)
 
 
@@ -80,14 +88,11 @@ def _cheapest(parts: list[Part], planned: Callable[[Part], ObjectPlan], settings
     return best
 
 
-def _best_first(plan: ObjectPlan) -> tuple[bool, float, int]:
-    """Order of plans: those that were asked for a cage and have one, then by the best grasp's cost; last those without.
-
-    Of those the first that came furthest.
-    """
+def _best_first(plan: ObjectPlan, by_cage: bool = False) -> tuple[bool, float, float, int]:
+    """Order of plans: by the best grasp's cost or cage; last those without, the one first that came furthest."""
     if not plan.grasps:
-        return (True, np.inf, -len(plan.funnel))
-    return (plan.grasps[0].cage is not None and not is_caged(plan.grasps[0]), plan.grasps[0].cost_m, 0)
+        return (True, np.inf, np.inf, -len(plan.funnel))
+    return (*surest_first(plan.grasps[0]), 0) if by_cage else (False, 0.0, plan.grasps[0].cost_m, 0)
 
 
 def _plan_part(cloud: ObjectCloud, part: Part, gripper: Gripper, settings: PlannerSettings, top: int) -> ObjectPlan:
@@ -109,8 +114,9 @@ def _section_three(
     funnel, trace = notes
     box, terrain = part.box, part.terrain
     # A.1 is the box and its main plane; A.2 the silhouette
-    outline = trace.silhouette = silhouette(part.points, part.frame, settings.silhouette, part.spacing_m)
+    outline = silhouette(part.points, part.frame, settings.silhouette, part.spacing_m)
     funnel.count("silhouette", len(outline.loops), "the points are too scattered for an outline")
+    trace.silhouette = outline
     if settings.method == "allen":
         grasps = point_finger_grasps(outline, terrain.lowest_m if terrain else 0.0, settings)
         funnel.count("immobilising", len(grasps), "no two points of the outline hold it, as on any convex one")

@@ -20,6 +20,8 @@ SPACING_QUANTILE = 0.95
 SPACING_SAMPLES = 300
 MIN_ALPHA_M = 0.003
 ALPHA_GROWTH = 1.5
+STRAY_M = 0.02
+"""Points farther than about this from all others belong to nothing."""
 
 
 def silhouette(
@@ -38,6 +40,18 @@ def silhouette(
     region = alpha_region(projected[member], alpha_m)
     loops = _loops(region, settings) if region is not None else ()
     return Silhouette(frame, loops, projected, heights, alpha_m, float(member.mean()))
+
+
+def without_strays(points: FloatArray, settings: SilhouetteSettings) -> FloatArray:
+    """Those of an object's `points` (n, 3) that hang together, seen along each of the axes.
+
+    The outline leaves out what is detached, but one point far off would have tilted and stretched the box before.
+    """
+    for view in ([0, 1], [0, 2], [1, 2]):
+        if len(points) > 0:
+            _, member = _one_piece(points[:, view], STRAY_M, settings.min_coverage)
+            points = points if member.all() else points[member]
+    return points
 
 
 def spacing(points: FloatArray) -> float:

@@ -18,3 +18,5 @@ Length = Annotated[float, Field(ge=0, le=10)]
 """Metres, from 0 to 10: a value in millimetres is an error."""
 PositiveLength = Annotated[float, Field(gt=0, le=10)]
 """Metres, above 0."""
+Step = Annotated[float, Field(ge=1e-4, le=10)]
+"""Metres; a tenth of a millimetre at least, for many short steps would take for ever."""

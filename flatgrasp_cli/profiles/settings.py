@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
-from flatgrasp_cli.profiles.base import Length, PositiveLength, Profile
+from flatgrasp_cli.profiles.base import Length, PositiveLength, Profile, Step
 from flatgrasp_cli.profiles.gripper import Gripper
 
 Angle = Annotated[float, Field(gt=0, le=180)]
@@ -71,7 +71,7 @@ class SilhouetteSettings(Profile):
     alpha_m: PositiveLength | None
     """Radius α of the hull's empty discs; None: from the points' spacing."""
     min_coverage: Annotated[float, Field(gt=0, le=1)]
-    """α grows until the largest piece holds this share of the hull's area."""
+    """α grows until the largest piece holds this share of the points."""
     tolerance_m: Length
     """How far the outline may be simplified (Douglas–Peucker)."""
     min_hole_m: Length
@@ -93,7 +93,7 @@ class FingerSettings(Profile):
     """Whether the boundary goes on past its last point (the paper's Ω does not)."""
     direction: Literal["signed_area", "random_rays"]
     """Inward side by the loop's orientation, checked for each candidate; or by the paper's rays and cross products."""
-    delta_m: PositiveLength
+    delta_m: Step
     """The paper's δ, step of the search for a point inside."""
     rays: Annotated[int, Field(ge=1, le=10_000)]
     variance: Literal["mean", "rms", "max", "sum"]
@@ -154,7 +154,7 @@ class DepthSettings(Profile):
     """Least height of the pads on the object; half of the object's height where that is less."""
     good_grip_m: PositiveLength
     """Height of the pads on the object beyond which more is no better."""
-    slice_step_m: PositiveLength
+    slice_step_m: Step
     """Outlines are taken at levels this far apart."""
     wall_drop: Annotated[float, Field(ge=0, le=20)]
     """Least steepness of the object below the fingertips: a flatter flank would push the fingers off."""

@@ -14,10 +14,10 @@ from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 from flatgrasp_cli.model import Floor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.raster import LEVEL_WINDOW_M, Grid, Raster, fitting_cell_m, smoothed
+from flatgrasp_cli.scene.support_plane import MAD_TO_SIGMA
 
 PLANE_SIGMAS = 3.0
 POINT_SIGMAS = 2.5
-MAD_TO_SIGMA = 1.4826
 SMOOTH_CELLS = 3
 HIGH_M = 0.02
 """Higher points count as this high in a mean, lest a single one that flies lift all cells around it."""
@@ -52,13 +52,15 @@ class Clusters:
     extent_m: float
 
 
-def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettings) -> Clusters:
-    """Objects among `points` (n, 3) that stand on `plane`, largest first."""
+def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettings) -> Clusters | None:
+    """Objects among `points` (n, 3) that stand on `plane`, largest first; None if no cell shows the plane itself."""
     frame = plane_frame(plane)
     raster, heights = _sorted(points, frame, _grid(points, frame, plane.noise_m), -PLANE_SIGMAS * plane.noise_m)
     total = raster.total(heights)
     own = total / np.maximum(raster.count, 1)
     table = _largest((raster.count > 0) & (np.abs(own) < PLANE_SIGMAS * plane.noise_m))
+    if not table.any():
+        return None
     standing = _standing(raster, own, table, plane.noise_m, settings)
     labels = _labels(_bridged(standing, settings.gap_m / raster.grid.cell_m)) * standing
     chosen = _objects(raster, labels, table, settings)
@@ -152,7 +154,7 @@ def plane_frame(plane: SupportPlane) -> Frame:
 def _largest(mask: BoolArray) -> BoolArray:
     """The largest connected piece of `mask`, gaps of a cell bridged."""
     labels = _labels(cv2.dilate(mask.view(np.uint8), np.ones((3, 3), np.uint8)))
-    sizes = np.bincount(labels[mask])
+    sizes = np.bincount(labels[mask], minlength=1)
     sizes[:1] = 0
     return np.asarray((labels == np.argmax(sizes)) & mask)
 

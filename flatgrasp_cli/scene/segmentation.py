@@ -18,13 +18,16 @@ OVERHEAD_M = 1.0
 LARGEST_EXTENT_M = 20.0
 """No view of objects for a gripper is wider than this: a lidar's is, and one that is in millimetres."""
 SAMPLE, STRAYS_PCT = 2000, 2.0
+SIGMAS, LEAST_BELOW_M, MOST_BELOW_M = 3.0, 0.010, 0.1
+BELOW_SHARE = 0.03
+"""Of the points on a plane: real tables have less than 1 % close below them, their edges."""
 
 
 def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
     """The objects that `cloud` shows.
 
-    In mode `auto` a plane is a support plane if objects stand on it with more of it around them, or if it is too long
-    for an object; else the whole cloud is one object.
+    In mode `auto` a plane is a support plane if objects stand on it with more of it around them and nothing goes on
+    below, or if it is too long for an object; else the whole cloud is one object.
     """
     cloud = cropped(cloud, settings.crop)
     reason = _too_large(cloud.points)
@@ -34,10 +37,11 @@ def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
     if settings.mode == "object" or len(cloud.points) < 3:
         return alone
     plane = find_support_plane(cloud.points, cloud.viewpoint, settings, seed)
-    if plane is None:
+    clusters = find_clusters(cloud.points, plane, settings) if plane is not None else None
+    if plane is None or clusters is None:
         return alone if settings.mode == "auto" else Scene(None, (), cloud.points, "no support plane was found")
-    clusters = find_clusters(cloud.points, plane, settings)
-    if settings.mode == "auto" and not clusters.lie_on_table and clusters.extent_m <= settings.max_size_m:
+    small = clusters.extent_m <= settings.max_size_m
+    if settings.mode == "auto" and small and (not clusters.lie_on_table or _goes_on_below(cloud.points, plane)):
         return alone
     objects = _objects(cloud, plane, clusters)
     reason = None if objects else "nothing stands on the support plane"
@@ -57,6 +61,14 @@ def _too_large(points: FloatArray) -> str | None:
         f"the cloud is {x:.0f} × {y:.0f} × {z:.0f} m, no view of objects for a gripper: choose a region with --crop, "
         "or, if it is in millimetres, give --scale 0.001"
     )
+
+
+def _goes_on_below(points: FloatArray, plane: SupportPlane) -> bool:
+    """Whether much lies close below a plane, as the flanks of a body do below one through its front."""
+    heights = plane.heights(points[:: max(1, len(points) // SAMPLE)])
+    on = np.abs(heights) < SIGMAS * plane.noise_m
+    below = (heights < -max(SIGMAS * plane.noise_m, LEAST_BELOW_M)) & (heights > -MOST_BELOW_M)
+    return bool(below.sum() > BELOW_SHARE * on.sum())
 
 
 def _objects(cloud: Cloud, plane: SupportPlane, clusters: Clusters) -> tuple[ObjectCloud, ...]:

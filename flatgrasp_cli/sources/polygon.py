@@ -40,10 +40,10 @@ def read_polygon(source: str) -> tuple[FloatArray, ...]:
         raise SourceError(
             f"{source}: is no polygon: a JSON list of [x, y], or CSV of x,y is wanted ({error})"
         ) from error
+    loops = [loop[:-1] if len(loop) > 1 and np.array_equal(loop[0], loop[-1]) else loop for loop in loops]
     for loop in loops:
         if loop.ndim != 2 or loop.shape[1:] != (2,) or len(loop) < 3 or not np.isfinite(loop).all():
             raise SourceError(f"{source}: is no polygon: every loop needs three or more corners of two finite numbers")
-    loops = [loop[:-1] if np.array_equal(loop[0], loop[-1]) else loop for loop in loops]
     _check_simple(source, loops)
     return tuple(_turned(loop, clockwise=k > 0) for k, loop in enumerate(loops))
 

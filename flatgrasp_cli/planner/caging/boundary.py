@@ -48,6 +48,11 @@ class Boundary:
         return len(self.start)
 
     @property
+    def size(self) -> float:
+        """The longer side of the box around it."""
+        return float(np.ptp(self.start, axis=0).max())
+
+    @property
     def convex(self) -> BoolArray:
         """Whether the region's angle at each vertex (n,) is below 180°."""
         return np.asarray(cross(self.edge[self.back], self.edge) > 0)

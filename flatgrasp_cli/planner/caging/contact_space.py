@@ -80,7 +80,7 @@ def squeezing(boundary: Boundary, told_apart: float) -> Caging:
     ends = (coincide, np.full(len(coincide), ESCAPE), np.zeros(len(coincide)))
     of_side = found.of_node  # of vertex a and edge j: that of edges a and j, for they hold that placement
     floor = found.lowest[of_side]
-    tolerance = SAME * float(np.ptp(boundary.start))
+    tolerance = SAME * boundary.size
     vertex, edge = true_entries((distance <= floor + tolerance) & (floor > tolerance))
     minima = Contacts(vertex, edge, where[vertex, edge])
     tunnels = _closing_tunnels(boundary, minima, distance[vertex, edge], of_side)

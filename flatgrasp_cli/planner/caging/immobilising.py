@@ -53,9 +53,10 @@ def immobilising_grasps(loops: Sequence[FloatArray], settings: CagingSettings) -
 def _grasps(caging: Caging, told_apart: float) -> IntArray:
     """The basins that are grasps of their own: no dents in another one's floor, and deep enough."""
     levels, lowest = caging.levels, caging.basins.lowest
-    size = float(np.ptp(caging.boundary.start, axis=0).max())
+    same = SAME * caging.boundary.size
     own = levels.deepest == np.arange(len(lowest))
-    return np.flatnonzero(own & (levels.merge - lowest > max(told_apart, SAME * size)))
+    apart = np.abs(lowest) > same  # where the outline touches itself, fingers on both sides of it meet
+    return np.flatnonzero(own & apart & (levels.merge - lowest > max(told_apart, same)))
 
 
 def _immobilisation(caging: Caging, basin: int) -> Immobilisation:

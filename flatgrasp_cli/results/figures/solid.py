@@ -97,13 +97,14 @@ def final_on_cloud(plan: Plan, item: ObjectPlan) -> Figure | None:
 
 def _near_pads(item: ObjectPlan, outline: Silhouette) -> tuple[FloatArray, BoolArray]:
     """The object's points, and which of them lie under the two finger candidates of the final grasp."""
-    fingers, grasp = item.trace.fingers, item.grasps[0]
-    near = np.zeros(len(outline.points), dtype=np.bool_)
+    fingers, grasp, points = item.trace.fingers, item.grasps[0], item.object.points
+    near = np.zeros(len(points), dtype=np.bool_)
     if fingers is not None:
+        projected = outline.frame.to_local(points)[:, :2]  # the outline may be that of a slice
         for k in grasp.fingers:
-            away = np.linalg.norm(outline.points - fingers.contact[k], axis=1)
+            away = np.linalg.norm(projected - fingers.contact[k], axis=1)
             near |= away < fingers.width[k] / 2
-    return item.object.points, near
+    return points, near
 
 
 def _finish_3d(axes: object, title: str) -> None:
