@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from flatgrasp_cli.model import Grasp, ObjectPlan, Silhouette
+from flatgrasp_cli.model import Grasp, ObjectPlan
 from flatgrasp_cli.planner.allen import point_finger_grasps, shortcomings
 from flatgrasp_cli.planner.certification import hands_of
 from flatgrasp_cli.planning import Plan
@@ -21,11 +21,12 @@ class Comparison:
 
 def compare(plan: Plan) -> list[Comparison]:
     """Both methods' grasps on the outline of each object of a plan."""
-    return [_of_object(item, item.trace.silhouette, plan) for item in plan.objects if item.trace.silhouette is not None]
+    return [_of_object(item, plan) for item in plan.objects]
 
 
-def _of_object(item: ObjectPlan, outline: Silhouette, plan: Plan) -> Comparison:
-    found = point_finger_grasps(outline, 0.0, plan.settings)
-    if not found:
+def _of_object(item: ObjectPlan, plan: Plan) -> Comparison:
+    outline = item.trace.silhouette
+    found = point_finger_grasps(outline, 0.0, plan.settings) if outline is not None else ()
+    if outline is None or not found:
         return Comparison(item, (), [])
     return Comparison(item, found, shortcomings(outline, hands_of(found, outline), plan.gripper, plan.settings))

@@ -426,3 +426,11 @@ def test_the_report_opens_in_chromium_without_network(plate: Path, run: Run) -> 
     assert "4 of 4 frames with a grasp" in shown
     assert shown.count("<path") == 4
     assert shown.index("pan_ros2") < shown.index("plate.pcd")
+
+
+def test_links_back_are_not_followed(tmp_path: Path, plate: Path) -> None:
+    (tmp_path / "night").mkdir()
+    (tmp_path / "night" / "plate.pcd").write_bytes(plate.read_bytes())
+    (tmp_path / "night" / "self").symlink_to(tmp_path / "night")
+    (tmp_path / "night" / "up").symlink_to(tmp_path)
+    assert [item.name for item in find_inputs([str(tmp_path / "night")])] == ["plate.pcd"]

@@ -12,12 +12,14 @@ import shapely
 
 from flatgrasp_cli import load_settings, plan, read_clouds
 from flatgrasp_cli.errors import SourceError
-from flatgrasp_cli.model import Cloud, Grasp
-from flatgrasp_cli.planner.certification import is_caged
+from flatgrasp_cli.model import Cloud, Grasp, ObjectPlan
+from flatgrasp_cli.planner import pipeline
+from flatgrasp_cli.planner.certification import certified, is_caged
 from flatgrasp_cli.profiles import Gripper
 from flatgrasp_cli.results.figures.cage import way_out
 from flatgrasp_cli.sources.polygon import read_polygon
 from tests.conftest import MM, SAMPLES, Run, cloud_of, rectangle, sampled
+from tests.test_cli import write_pcd
 
 IBEAM = [[-2, -1.5], [-0.75, -1.5], [-0.75, -0.5], [0.75, -0.5], [0.75, -1.5], [2, -1.5]]
 IBEAM = [*IBEAM, *[[-x, -y] for x, y in IBEAM]]
@@ -117,7 +119,8 @@ def test_lifting_is_judged_where_mass_and_force_are_known(pr2: Gripper) -> None:
     closure = best(cloud, hand, "caging.mass_kg=0.5", "balance.friction=0.5").closure
     assert closure is not None
     assert closure.lift_weight == pytest.approx(2 * 0.5 * 20 / (0.5 * 9.80665))
-    assert closure.lift_torque is None or closure.lift_torque > 1
+    assert closure.lift_torque is not None
+    assert closure.lift_torque > 1
     unknown = best(cloud, pr2, "caging.mass_kg=0.5").closure
     assert unknown is not None
     assert (unknown.lift_weight, unknown.lift_torque) == (None, None)
@@ -135,7 +138,7 @@ def test_point_fingers_are_a_method(dumbbell: Cloud, pr2: Gripper) -> None:
     assert np.linalg.norm(grasp.contacts[0] - grasp.contacts[1]) == pytest.approx(grasp.width_m, abs=1e-9)
     assert (grasp.force_balance_deg, grasp.required_friction) == (0.0, 0.0)
     nothing = plan(cloud_of(sampled(rectangle(120, 40))), pr2, load_settings("allen"))
-    assert nothing.best is None or nothing.best.cage is not None
+    assert nothing.best is None
 
 
 def test_cage_of_a_polygon(run: Run, tmp_path: Path) -> None:
@@ -211,3 +214,50 @@ def test_the_way_out_is_the_lowest() -> None:
     assert path[0].tolist() == [1, 3]
     assert path[-1][0] == path[-1][1]
     assert height[path[:, 0], path[:, 1]].max() == 2.0
+
+
+def test_an_outline_that_touches_itself_has_grasps(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "pinched.json"
+    path.write_text(json.dumps([[[0, 0], [4, 0], [4, 4], [0, 4]], [[0, 2], [1, 3], [2, 2], [1, 1]]]))
+    done = run("cage", path, "--json")
+    assert done.code == 0
+    assert all(grasp["width_m"] > 0 for grasp in json.loads(done.out)["grasps"])
+
+
+def test_points_without_an_outline(run: Run, tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    blobs = [rng.normal((x, x, 1.0), 0.001, (100, 3)) for x in (0.0, 0.1)]
+    path = write_pcd(tmp_path / "two.pcd", np.concatenate(blobs))
+    cage, comparison = run("cage", path, "--json", "--out", "out"), run("compare", path, "--json", "--out", "out")
+    assert (cage.code, comparison.code) == (1, 0)
+    assert json.loads(cage.out)["reason"] == "the points are too scattered for an outline"
+    assert json.loads(comparison.out)["ours"] is None
+    batch = run("batch", path, "--out", "results", "-j", "1")
+    assert batch.code == 1
+    assert Path("results/report.html").is_file()
+
+
+@pytest.mark.parametrize("options", [("caging.prefer=cage",), ("method=allen",)])
+def test_the_best_of_all_slices_wins(options: tuple[str, ...], pr2: Gripper, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither what cages forgive nor the point fingers' cost grows with height: no slice may be left out."""
+    (cloud,) = read_clouds(SAMPLES / "pan_on_table.pcd")
+    seen: list[ObjectPlan] = []
+    real = pipeline._plan_part
+
+    def watched(*args: Any) -> ObjectPlan:
+        seen.append(real(*args))
+        return seen[-1]
+
+    monkeypatch.setattr(pipeline, "_plan_part", watched)
+    winner = best(cloud, pr2, *options)
+    slices = [each for each in seen if each.grasps]
+    assert len(slices) > 1
+    if options == ("method=allen",):
+        assert winner.cost_m == min(each.grasps[0].cost_m for each in slices)
+    else:
+        assert winner.cage is not None
+        assert winner.cage.tolerance is not None
+        settings = load_settings("default", options).resolve(pr2)
+        each_best = [certified(each, pr2, settings, 1).grasps[0] for each in slices]
+        forgiven = [grasp.cage.tolerance.position_m for grasp in each_best if grasp.cage and grasp.cage.tolerance]
+        assert winner.cage.tolerance.position_m == pytest.approx(max(forgiven))

@@ -13,7 +13,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from tests.conftest import Run
+from tests.conftest import SAMPLES, Run
 
 PNG = b"\x89PNG\r\n\x1a\n"
 COMMAND = [sys.executable, "-m", "flatgrasp_cli"]
@@ -187,6 +187,7 @@ def test_plots_of_every_stage(plate: Path, run: Run) -> None:
         "plate.grasps.png",
         "plate.stages",
     ]
+    assert run("plan", SAMPLES / "pan_on_table.pcd", "--plots", "stages", "--out", "slice").code == 0  # of a slice
     stages = list(Path("plate.stages").iterdir())
     assert len(stages) >= 5
     assert all(path.read_bytes().startswith(PNG) for path in stages)

@@ -11,15 +11,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from flatgrasp_cli import load_settings
+from flatgrasp_cli import load_gripper, load_settings, plan, read_clouds
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.model import Cloud, ObjectCloud, Scene, SupportPlane
+from flatgrasp_cli.model import Cloud, ObjectCloud, Scene, Source, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene import segment
 from flatgrasp_cli.scene.clusters import plane_frame
 from flatgrasp_cli.scene.raster import Grid, Raster, fitting_cell_m, smoothed
 from flatgrasp_cli.scene.support_plane import find_support_plane, looks_down
-from tests.conftest import FLOOR, MM, TABLE, WALL, Box, Camera, Tube
+from tests.conftest import FLOOR, MM, SAMPLES, TABLE, WALL, Box, Camera, Tube
 
 ABOVE, OBLIQUE = Camera(), Camera(tilt_deg=40)
 FAR = Camera(tilt_deg=60, distance=1.5, focal=260.0)
@@ -384,3 +384,24 @@ def test_a_stray_point_far_away_does_not_make_a_scene_too_large() -> None:
     view = ABOVE.sees(TABLE, BLOCK)
     far = np.vstack([view.points, [[0.0, 0.0, 300.0]]])
     assert len(scene_of(replace(view, points=far)).objects) == 1
+
+
+@pytest.mark.parametrize("name", ["pan", "hammer", "spray_bottle", "teddy_bear"])
+@pytest.mark.parametrize("stray", [(0.0, 0.0, 0.0), (0.0, 0.0, 2.0), (1e5, 0.0, 3.0)])
+def test_one_stray_point_changes_nothing(name: str, stray: tuple[float, float, float]) -> None:
+    (cloud,) = read_clouds(SAMPLES / f"{name}.pcd")
+    hand = load_gripper("pr2")
+    clean, strayed = plan(cloud, hand).best, plan(replace(cloud, points=np.vstack([cloud.points, stray])), hand).best
+    assert clean is not None
+    assert strayed is not None
+    np.testing.assert_allclose(strayed.position, clean.position, atol=1e-9)
+
+
+def test_a_pile_of_identical_points_is_no_table() -> None:
+    """Most points lie in a plane through the pile, but no cell of the raster does on average: one object, no table."""
+    ball = np.random.default_rng(2).normal(size=(1000, 3))
+    ball *= 0.05 / np.linalg.norm(ball, axis=1)[:, None]
+    cloud = Cloud(np.vstack([ball, np.repeat(ball[:1], 150, axis=0)]), np.zeros(3), Source("pile"))
+    scene = segment(cloud, load_settings().scene, seed=0)
+    assert scene.support is None
+    assert len(scene.objects) == 1

@@ -40,13 +40,13 @@ def command(source: str, job: Job, out: Path | None, as_json: bool) -> int:
     code, names = 0, Names()
     stem = names.of_source(source)
     for name, thing, loops, settings in _outlines(source, job):
-        found = immobilising_grasps(loops, settings)
+        found = immobilising_grasps(loops, settings) if loops else ()
         document = cage_document(name, thing, loops, found, settings)
         if as_json:
             click.echo(to_json(document))
         else:
             _print(document)
-        if out is not None:
+        if out is not None and loops:
             _draw(loops, found, document, out / f"{stem if thing is None else f'{stem}.{thing}'}.cage.png")
         code = code if found else NO_GRASP
     return code
@@ -63,8 +63,8 @@ def _outlines(source: str, job: Job) -> Iterator[Outline]:
         return
     for cloud, _ in job.clouds(source):
         for item in job.plan(cloud).objects:
-            if item.trace.silhouette is not None:
-                yield str(cloud.source), item.object.id, item.trace.silhouette.loops, caging
+            outline = item.trace.silhouette
+            yield str(cloud.source), item.object.id, outline.loops if outline else (), caging
 
 
 def _print(document: dict[str, Any]) -> None:

@@ -40,7 +40,7 @@ def command(sources: tuple[str, ...], job: Job, out: Path | None, as_json: bool)
                 rows.append(row)
                 if as_json:
                     click.echo(to_json(row))
-                if out is not None:
+                if out is not None and pair.ours.trace.silhouette is not None:
                     _draw(
                         pair, job, out / f"{names.of_frame(stem, cloud)}.{row['object']}.compare.png", cloud.source.path
                     )
@@ -50,12 +50,14 @@ def command(sources: tuple[str, ...], job: Job, out: Path | None, as_json: bool)
 
 
 def _row(source: str, pair: Comparison) -> dict[str, Any]:
+    from flatgrasp_cli.planner.certification import is_caged
+
     best = pair.ours.grasps[0] if pair.ours.grasps else None
     return {
         "schema": SCHEMA,
         "source": source,
         "object": pair.ours.object.id,
-        "ours": best and {"width_m": best.width_m, "caged": bool(best.cage and best.cage.reason is None)},
+        "ours": best and {"width_m": best.width_m, "caged": is_caged(best)},
         "point_fingers": [
             {"width_m": grasp.width_m, "executable": verdict is None, "reason": verdict}
             for grasp, verdict in zip(pair.theirs, pair.verdicts, strict=True)

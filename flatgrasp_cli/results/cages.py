@@ -12,6 +12,8 @@ from flatgrasp_cli.planner.caging import Immobilisation
 from flatgrasp_cli.profiles.settings import CagingSettings
 
 SCHEMA_ID = "flatgrasp.cage/1"
+NO_HOLD = "no two points of the outline hold it, as on any convex one"
+NO_OUTLINE = "the points are too scattered for an outline"
 
 
 def cage_document(
@@ -31,7 +33,7 @@ def cage_document(
         "object": thing,
         "closing": settings.closing,
         "loops": [loop.tolist() for loop in loops],
-        "reason": None if found else "no two points of the outline hold it, as on any convex one",
+        "reason": None if found else NO_HOLD if loops else NO_OUTLINE,
         "grasps": [
             {
                 "rank": k + 1,
