@@ -56,8 +56,9 @@ def main() -> None:
         loops = [rough_outline(corners, 0)]
         found = immobilising_grasps(loops, SETTINGS)
         contacts = np.stack([found[k % len(found)].contacts for k in range(GRASPS)])
-        width = np.linalg.norm(contacts[:, 1] - contacts[:, 0], axis=1)
-        hands = Hands.of_contacts(contacts, width + PRESHAPE_M)
+        apart = contacts[:, 1] - contacts[:, 0]
+        width = np.linalg.norm(apart, axis=1)
+        hands = Hands(contacts.mean(axis=1), apart / width[:, None], width, width + PRESHAPE_M)
         figures = [
             milliseconds(partial(certify, loops, hands, gripper, settings), args.repeat)
             for settings in (SETTINGS, outward)

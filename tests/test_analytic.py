@@ -121,6 +121,7 @@ def test_a_neighbouring_wall_leaves_no_room_for_a_finger(pr2: Gripper) -> None:
     """Two bars 8 mm apart, joined at one end: a 9 mm finger and its clearance do not fit between them."""
     fork = shapely.union_all([shapely.box(0, 0, 100, 30), shapely.box(0, 38, 100, 68), shapely.box(0, 0, 8, 68)])
     result = plan(cloud_of(sampled(fork)), pr2, top=1000)
+    assert result.best is not None
     for grasp in result.objects[0].grasps:
         v = grasp.contacts[:, 1]
         between = (v > 29 * MM) & (v < 39 * MM) & (grasp.contacts[:, 0] > 10 * MM)

@@ -61,6 +61,13 @@ def gripper(**changes: object) -> Gripper:
     return Gripper.model_validate(values | changes)
 
 
+def hands_at(contacts: FloatArray, opening: FloatArray) -> Hands:
+    """Hands that close along the line of their two `contacts` (k, 2, 2) until they touch both."""
+    apart = contacts[:, 1] - contacts[:, 0]
+    width = np.linalg.norm(apart, axis=1)
+    return Hands(contacts.mean(axis=1), apart / width[:, None], width, opening)
+
+
 def levels_at(loop: FloatArray, p: tuple[float, float], q: tuple[float, float], kind: Callable[..., Caging]) -> Limits:
     return limits(kind(Boundary.of([loop]), EXACT), np.array([[p, q]], dtype=np.float64))
 
@@ -117,7 +124,7 @@ def test_convex_outlines_are_never_caged(corners: int) -> None:
     assert immobilising_grasps([loop], caging_settings()) == ()
     assert immobilising_grasps([loop], caging_settings(closing="outward")) == ()
     contacts = np.array([[[-0.04, 0.0], [0.04, 0.0]]])
-    (cage,) = certify([loop], Hands.of_contacts(contacts, np.array([0.09])), gripper(), caging_settings())
+    (cage,) = certify([loop], hands_at(contacts, np.array([0.09])), gripper(), caging_settings())
     assert not cage.squeezing
     assert cage.reason == "convex outline: two fingers never cage it"
 
@@ -170,7 +177,7 @@ def test_a_finger_in_a_hole_never_leaves_it() -> None:
 def test_the_certificate_of_a_finger_in_a_hole_has_no_limit() -> None:
     loops = [CM * loop for loop in ring_and_holes()]
     contacts = CM * np.array([[[2.0, 3.0], [2.0, 4.0]], [[2.0, 2.9], [2.0, 4.0]]])
-    hands = Hands.of_contacts(contacts, np.array([0.02, 0.0115]))
+    hands = hands_at(contacts, np.array([0.02, 0.0115]))
     free, tight = certify(loops, hands, gripper(finger_thickness_m=0.002), caging_settings())
     assert free.squeezing
     assert free.opening_max_m is free.margin_m is free.guaranteed_opening_max_m is None
@@ -269,7 +276,7 @@ def test_levels_agree_with_the_scalar_twin(seed: int) -> None:
 
 
 def beam_hand(opening: float = 2.2 * CM) -> Hands:
-    return Hands.of_contacts(CM * np.array([[[0.0, -0.5], [0.0, 0.5]]]), np.array([opening]))
+    return hands_at(CM * np.array([[[0.0, -0.5], [0.0, 0.5]]]), np.array([opening]))
 
 
 def test_the_certificate_of_an_i_beam_by_hand() -> None:
@@ -337,7 +344,7 @@ def test_a_thumb_against_a_pair_of_fingers() -> None:
 def test_why_there_is_no_cage() -> None:
     loop = CM * i_beam(flange=0.5)
     contacts = CM * np.array([[[0.0, -1.2], [0.0, 1.2]], [[1.6, -0.5], [1.6, 0.5]], [[-1.25, 0.0], [1.25, 0.1]]])
-    wide, beside, ends = certify([loop], Hands.of_contacts(contacts, np.full(3, 0.03)), gripper(), caging_settings())
+    wide, beside, ends = certify([loop], hands_at(contacts, np.full(3, 0.03)), gripper(), caging_settings())
     assert wide.reason == "escapes at 0.0206 m, not above the grasp's width 0.0240 m"
     assert beside.reason == "nothing of the object lies between the fingers"
     assert ends.reason == "closing, the fingers slip off"
@@ -359,7 +366,7 @@ def test_a_cage_finer_than_the_noise_is_not_guaranteed() -> None:
 
 def test_a_hand_that_opens_in_a_slot() -> None:
     contacts = CM * np.array([[[-0.95, -0.2], [0.95, -0.8]]])
-    hands = Hands.of_contacts(contacts, np.array([1.85 * CM]))
+    hands = hands_at(contacts, np.array([1.85 * CM]))
     hand = gripper(finger_width_m=0.0005, finger_thickness_m=0.0005)
     (cage,) = certify([CM * SLOT], hands, hand, caging_settings(closing="outward", noise_m=0.0001))
     assert cage.stretching

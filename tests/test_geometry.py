@@ -15,6 +15,7 @@ from flatgrasp_cli.geometry.alpha_shape import alpha_region
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
 from flatgrasp_cli.geometry.chain import Chain, closed_chain, slopes
 from flatgrasp_cli.geometry.frames import Frame, quaternion_from_axes
+from flatgrasp_cli.geometry.range_image import RangeImage
 from flatgrasp_cli.geometry.rectangle import minimum_area_axis
 
 seeds = st.integers(0, 2**32 - 1)
@@ -211,3 +212,26 @@ def test_frame_there_and_back(seed: int) -> None:
     frame = Frame(rng.normal(size=3), Rotation.random(random_state=seed % 2**31).as_matrix())
     points = rng.normal(size=(5, 3))
     assert frame.to_world(frame.to_local(points)) == pytest.approx(points)
+
+
+class TestRangeImage:
+    def test_rays_end_at_the_nearest_point(self) -> None:
+        plane = np.stack(np.meshgrid(np.arange(-0.1, 0.1, 0.01), np.arange(-0.1, 0.1, 0.01), [1.0]), axis=-1)
+        image = RangeImage.of(np.vstack([plane.reshape(-1, 3), [[0.0, 0.0, 0.5]]]), np.zeros(3), 0.015)
+        nearest, ranges = image.nearest(np.array([[0.0, 0.0, 0.8], [0.06, 0.0, 0.8], [0.9, 0.0, 0.8]]).T)
+        assert ranges == pytest.approx([0.8, np.hypot(0.06, 0.8), np.hypot(0.9, 0.8)])
+        assert nearest[:2] == pytest.approx([0.5, np.hypot(0.075, 1.0)], rel=0.01)
+        assert nearest[2] == np.inf
+
+    def test_points_beside_and_behind_the_sensor_change_nothing(self) -> None:
+        ahead = np.random.default_rng(0).uniform([-0.2, -0.2, 0.5], [0.2, 0.2, 0.7], (2000, 3))
+        around = np.array([[0.0, 0.3, -0.2], [0.5, 0.0, 0.0], [0.4, 0.4, 0.01]])
+        alone, amid = (RangeImage.of(points, np.zeros(3), 0.01) for points in (ahead, np.vstack([ahead, around])))
+        assert amid.pitch == pytest.approx(alone.pitch, rel=0.01)
+        assert np.isfinite(amid.ranges).sum() == pytest.approx(np.isfinite(alone.ranges).sum(), rel=0.05)
+        assert amid.nearest(around.T)[0].tolist() == [np.inf] * 3
+
+    def test_a_sensor_in_the_middle_of_the_points_sees_something(self) -> None:
+        points = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
+        assert np.isfinite(RangeImage.of(points, np.zeros(3), 0.1).ranges).any()
+        assert not np.isfinite(RangeImage.of(np.zeros((3, 3)), np.zeros(3), 0.1).ranges).any()

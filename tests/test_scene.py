@@ -340,15 +340,15 @@ class TestWanted:
 
 
 class TestRaster:
-    def test_cells_average_what_falls_into_them(self) -> None:
+    def test_cells_add_up_what_falls_into_them(self) -> None:
         points = np.array([[0.0, 0.0], [0.004, 0.004], [0.012, 0.0], [0.0, 0.025]])
         grid = Grid.over(points.min(axis=0), points.max(axis=0), 0.01)
         raster = Raster.of(grid, grid.cells(*points.T))
         assert raster.count.shape == (4, 5)  # two by three cells, and a rim
         assert raster.count.sum() == 4
-        means = raster.mean(np.array([1.0, 3.0, 5.0, 7.0]))
-        assert (means[1, 1], means[2, 1], means[1, 3]) == (2.0, 5.0, 7.0)
-        assert means.sum() == 14.0
+        total = raster.total(np.array([1.0, 3.0, 5.0, 7.0]))
+        assert (total[1, 1], total[2, 1], total[1, 3]) == (4.0, 5.0, 7.0)
+        assert total.sum() == 16.0
 
     def test_cells_hold_a_few_points_each(self) -> None:
         points = np.random.default_rng(0).uniform(0, 0.4, (40_000, 2))  # 25 points in a square centimetre

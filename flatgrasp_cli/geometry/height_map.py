@@ -66,12 +66,8 @@ class HeightMap:
         np.divide(total, count, out=mean, where=count > 0)
         return HeightMap(self.origin, self.cell_m, mean.reshape(self.heights.shape))
 
-    def at(self, points: FloatArray) -> FloatArray:
-        """Heights (…) of the cells that hold `points` (…, 2)."""
-        return np.asarray(self.heights.take(self.cells_of(points)))
-
     def over(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """The same for points given by columns x and y (…)."""
+        """Heights (…) of the cells that hold points, given by columns x and y (…)."""
         return np.asarray(self.heights.take(self.cells(x, y)))
 
     def higher_than(self, height: float) -> FloatArray:

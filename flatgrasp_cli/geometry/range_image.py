@@ -9,6 +9,8 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 
 MAX_PIXELS = 4_000_000
+MOST_ASIDE = 10.0
+"""Tangent of the widest angle to the line of sight: at a viewpoint amid the points, most lie beside or behind it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,13 +30,18 @@ class RangeImage:
     def of(cls, points: FloatArray, viewpoint: FloatArray, spacing_m: float) -> RangeImage:
         """The image of `points` (n, 3), n > 0, that lie `spacing_m` apart, from `viewpoint` (3,)."""
         middle = points.mean(axis=0) - viewpoint
-        distance = float(np.linalg.norm(middle))
-        sight = middle / distance
+        distance = max(float(np.linalg.norm(middle)), spacing_m)
+        sight = middle / np.linalg.norm(middle) if middle.any() else np.array([0.0, 0.0, -1.0])
         x = np.cross(np.eye(3)[int(np.argmin(np.abs(sight)))], sight)
         x /= np.linalg.norm(x)
         axes = np.stack([x, np.cross(sight, x), sight])
-        image = cls(viewpoint, axes, np.zeros(2), spacing_m / distance, np.empty((0, 0)))
+        image = cls(viewpoint, axes, np.zeros(2), spacing_m / distance, np.full((1, 1), np.inf))
         x, y, ranges = image._projected(points.T)
+        ahead = np.maximum(np.abs(x), np.abs(y)) < MOST_ASIDE
+        if not ahead.all():
+            x, y, ranges = x[ahead], y[ahead], ranges[ahead]
+        if len(x) == 0:
+            return image
         low, high = np.array([x.min(), y.min()]), np.array([x.max(), y.max()])
         pitch = max(image.pitch, float(np.sqrt(np.prod(high - low) / MAX_PIXELS)))
         rows, columns = (((high - low) / pitch).astype(np.intp) + 3).tolist()
@@ -48,10 +55,10 @@ class RangeImage:
         return self.ranges.take(self._pixels(x, y)), ranges
 
     def _projected(self, columns: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Image coordinates x and y, and ranges (n,), of points given as columns (3, n)."""
+        """Image coordinates x and y, and ranges (n,), of points, columns (3, n); behind the viewpoint x is +inf."""
         x, y, z = self.axes @ (columns - self.viewpoint[:, None])
         depth = np.maximum(z, 1e-9)
-        return x / depth, y / depth, np.sqrt(x * x + y * y + z * z)
+        return np.where(z > 0, x / depth, np.inf), y / depth, np.sqrt(x * x + y * y + z * z)
 
     def _pixels(self, x: FloatArray, y: FloatArray) -> IntArray:
         """Flat pixel indices (…); those outside fall on the empty rim."""

@@ -39,8 +39,6 @@ class JointLimits(Profile):
 
     lower_deg: SixNumbers
     upper_deg: SixNumbers
-    max_speed_deg_s: SixNumbers
-    max_effort_nm: SixNumbers
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
@@ -50,10 +48,8 @@ class JointLimits(Profile):
 
 
 class LinkRadii(Profile):
-    """Capsule radii of the links, for clearance."""
+    """Radii of those links that a table could stop: elbow and beyond stay so far above it."""
 
-    shoulder_m: PositiveLength
-    upper_arm_m: PositiveLength
     elbow_m: PositiveLength
     forearm_m: PositiveLength
     wrist_m: PositiveLength
@@ -101,8 +97,6 @@ class Robot(Profile):
     joints: JointLimits
     links: LinkRadii
     reach: ReachSettings
-    reach_m: PositiveLength
-    payload_kg: Annotated[float, Field(gt=0)]
     camera_pose: CameraPose | None = None
 
     @model_validator(mode="after")

@@ -64,10 +64,6 @@ class Raster:
         total[0] = 0.0
         return np.asarray(total.reshape(self.count.shape))
 
-    def mean(self, values: FloatArray) -> FloatArray:
-        """Mean (rows, columns) of `values` (n,) in each cell; 0 in empty ones."""
-        return np.asarray(self.total(values) / np.maximum(self.count, 1))
-
 
 def fitting_cell_m(x: FloatArray, y: FloatArray, every: int = 1) -> float:
     """Side of cells that hold a few points each, where there are any; of those x and y (n,) are one in `every`."""

@@ -34,13 +34,6 @@ class Hands:
         """The grasps that `keep` names."""
         return Hands(self.center[keep], self.axis[keep], self.width[keep], self.opening[keep])
 
-    @classmethod
-    def of_contacts(cls, contacts: FloatArray, opening: FloatArray) -> Hands:
-        """Hands that close along the line of their two `contacts` (k, 2, 2) until they touch both."""
-        apart = contacts[:, 1] - contacts[:, 0]
-        width = np.linalg.norm(apart, axis=1)
-        return cls(contacts.mean(axis=1), apart / width[:, None], width, opening)
-
 
 def pad_points(hands: Hands, gripper: Gripper) -> tuple[FloatArray, FloatArray]:
     """Pairs of points (c, k, 2, 2) on opposite pads of k hands, c of them each, and how far aside (c,) of one another.

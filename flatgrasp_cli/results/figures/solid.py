@@ -67,9 +67,9 @@ def balance_surface(_: Plan, item: ObjectPlan) -> Figure | None:
 
 
 def resultant(item: ObjectPlan) -> FloatArray | None:
-    """|n_i + n_j| = 2·sin(γ/2) of every pair: 0 for the best, 2 for the worst."""
+    """|n_i + n_j| = 2·sin(γ/2) of every pair: 0 for the best, 2 for the worst; None without a pair."""
     gamma = item.trace.force_balance_deg
-    return None if gamma is None else 2 * np.sin(np.radians(gamma) / 2)
+    return None if gamma is None or gamma.size == 0 else 2 * np.sin(np.radians(gamma) / 2)
 
 
 def final_on_cloud(plan: Plan, item: ObjectPlan) -> Figure | None:

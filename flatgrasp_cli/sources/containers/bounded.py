@@ -12,7 +12,6 @@ from typing import Any, BinaryIO, Protocol
 import lz4.frame  # type: ignore[import-untyped,unused-ignore]
 
 from flatgrasp_cli.errors import SourceError
-from flatgrasp_cli.sources.containers.sniff import ZSTD_MAGIC
 
 if sys.version_info >= (3, 14):
     from compression import zstd
@@ -139,18 +138,13 @@ def inflate_file(source: BinaryIO, target: BinaryIO, size: int, name: str) -> st
     return ""
 
 
-def first_bytes(path: Path, count: int) -> bytes:
-    """The first bytes of a file, or of what a zstd file holds."""
-    with path.open("rb") as file:
-        head = file.read(count)
-        if not head.startswith(ZSTD_MAGIC):
-            return head
-        file.seek(0)
-        try:
-            with zstd.open(file, "rb") as stream:
-                return stream.read(count)
-        except (zstd.ZstdError, EOFError):
-            return head
+def first_inflated_bytes(path: Path, count: int) -> bytes:
+    """The first bytes of what a zstd file holds; none if it is damaged there."""
+    try:
+        with zstd.open(path, "rb") as stream:
+            return stream.read(count)
+    except (zstd.ZstdError, EOFError):
+        return b""
 
 
 def reason(error: Exception) -> str:

@@ -7,11 +7,11 @@ from functools import partial
 from pathlib import Path
 
 from flatgrasp_cli.errors import SourceError
-from flatgrasp_cli.sources.containers.bounded import first_bytes, inflate_file
+from flatgrasp_cli.sources.containers.bounded import inflate_file
 from flatgrasp_cli.sources.containers.channels import ChannelRecording, Decoders
 from flatgrasp_cli.sources.containers.recording import Problems
 from flatgrasp_cli.sources.containers.rosbag2 import FolderRecording, describe
-from flatgrasp_cli.sources.containers.sniff import SNIFFED_BYTES, ZSTD_MAGIC, kind_of
+from flatgrasp_cli.sources.containers.sniff import ZSTD_MAGIC, first_bytes, kind_of
 
 
 class _Unpacked:
@@ -91,7 +91,7 @@ def _open(
         from flatgrasp_cli.sources.containers.sqlite_bag import SqliteRecording
 
         return SqliteRecording(file, name, problems, decoders, distro)
-    head = first_bytes(file, SNIFFED_BYTES)
+    head = first_bytes(file)
     if not head:
         raise SourceError(f"{name}: the file is empty")
     raise SourceError(f"{name}: is no MCAP file, ROS bag or SQLite file (it begins with {head!r})")

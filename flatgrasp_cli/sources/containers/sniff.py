@@ -11,10 +11,16 @@ SNIFFED_BYTES = 16
 
 def kind_of(path: Path) -> str:
     """The container of a file, looking through zstd: "mcap", "ros1", "sqlite", or "" for none of them."""
+    head = first_bytes(path)
+    return next((kind for magic, kind in MAGICS.items() if head.startswith(magic)), "")
+
+
+def first_bytes(path: Path) -> bytes:
+    """The first bytes of a file, or of what a zstd file holds."""
     with path.open("rb") as file:
         head = file.read(SNIFFED_BYTES)
-    if head.startswith(ZSTD_MAGIC):
-        from flatgrasp_cli.sources.containers.bounded import first_bytes
+    if not head.startswith(ZSTD_MAGIC):
+        return head
+    from flatgrasp_cli.sources.containers.bounded import first_inflated_bytes
 
-        head = first_bytes(path, SNIFFED_BYTES)
-    return next((kind for magic, kind in MAGICS.items() if head.startswith(magic)), "")
+    return first_inflated_bytes(path, SNIFFED_BYTES) or head
