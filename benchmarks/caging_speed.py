@@ -17,8 +17,10 @@ import numpy as np
 
 from flatgrasp_cli import load_gripper
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.planner.caging import Hands, certify, immobilising_grasps
-from flatgrasp_cli.profiles import load_settings
+from flatgrasp_cli.model import Cage
+from flatgrasp_cli.planner.caging import Hands, immobilising_grasps, prove
+from flatgrasp_cli.profiles import Gripper, load_settings
+from flatgrasp_cli.profiles.settings import CagingSettings
 
 GRASPS, PRESHAPE_M = 10, 0.01
 SETTINGS = load_settings().caging.model_copy(update={"tolerance_m": 0.0, "max_vertices": 300})
@@ -30,6 +32,11 @@ def rough_outline(corners: int, seed: int) -> FloatArray:
     noise = np.random.default_rng(seed).normal(0, 0.001, corners)
     radius = 0.05 * (1 + 0.3 * np.cos(3 * angles) + 0.15 * np.cos(5 * angles + 1)) + noise
     return np.column_stack([np.cos(angles), np.sin(angles)]) * radius[:, None]
+
+
+def certify(loops: list[FloatArray], hands: Hands, gripper: Gripper, settings: CagingSettings) -> tuple[Cage, ...]:
+    """The certificates of the hands' grasps."""
+    return prove(loops, hands, gripper, settings).cages(hands)
 
 
 def milliseconds(function: Callable[[], object], repeat: int) -> float:

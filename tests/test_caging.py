@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.polygon import left_normal
-from flatgrasp_cli.planner.caging import Hands, certify, contact_space, immobilising_grasps
+from flatgrasp_cli.model import Cage
+from flatgrasp_cli.planner.caging import Hands, contact_space, immobilising_grasps, prove
 from flatgrasp_cli.planner.caging.boundary import Boundary
 from flatgrasp_cli.planner.caging.contact_space import Caging, squeezing
 from flatgrasp_cli.planner.caging.hands import pad_points, sweeps
@@ -59,6 +60,11 @@ def gripper(**changes: object) -> Gripper:
         "palm_m": 0.05,
     }
     return Gripper.model_validate(values | changes)
+
+
+def certify(loops: list[FloatArray], hands: Hands, hand: Gripper, settings: CagingSettings) -> tuple[Cage, ...]:
+    """The certificates of the hands as they come."""
+    return prove(loops, hands, hand, settings).cages(hands)
 
 
 def hands_at(contacts: FloatArray, opening: FloatArray) -> Hands:

@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import axes_from_quaternion
 from flatgrasp_cli.model import Cage, Closure, Grasp, ObjectPlan, Rejection, Silhouette, Stage
-from flatgrasp_cli.planner.caging import Hands, certify
+from flatgrasp_cli.planner.caging import Hands, Proof, prove
 from flatgrasp_cli.planner.force_closure import friction_margin, lift_margins, pad_quality, point_quality, reference_of
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
@@ -26,15 +27,13 @@ def certified(plan: ObjectPlan, gripper: Gripper, settings: PlannerSettings, top
     if not plan.grasps or outline is None or not settings.caging.certify:
         return replace(plan, grasps=plan.grasps[:top])
     hands = hands_of(plan.grasps, outline)
-    cages = certify(outline.loops, hands, gripper, settings.caging)
-    openings = np.array([_preshape(*each, settings.hand.clearance_m) for each in zip(plan.grasps, cages, strict=True)])
-    if (openings < hands.opening).any():
-        hands = replace(hands, opening=openings)
-        cages = certify(outline.loops, hands, gripper, settings.caging)
+    proof = prove(outline.loops, hands, gripper, settings.caging)
+    hands = replace(hands, opening=_preshape(hands, proof, settings.hand.clearance_m))
+    cages = proof.cages(hands)
     closures = _closures(plan.grasps, hands, outline, gripper, settings)
     grasps = [
         replace(grasp, cage=cage, closure=closure, opening_m=opening)
-        for grasp, cage, closure, opening in zip(plan.grasps, cages, closures, openings.tolist(), strict=True)
+        for grasp, cage, closure, opening in zip(plan.grasps, cages, closures, hands.opening.tolist(), strict=True)
     ]
     funnel, rejection = plan.funnel, None
     if settings.caging.require:
@@ -73,15 +72,14 @@ def _why_not(cage: Cage) -> str:
     return "its basin leaves no room to come with" if cage.guaranteed else "its cage is no deeper than the noise"
 
 
-def _preshape(grasp: Grasp, cage: Cage, clearance_m: float) -> float:
-    """The opening to come with: no more than that from which closing surely ends in this grasp, where there is one.
+def _preshape(hands: Hands, proof: Proof, clearance_m: float) -> FloatArray:
+    """Openings (k,) to come with: no more than that from which closing surely ends in the grasp, where there is one.
 
     A basin that would leave the fingers less than their clearance beside the object cannot be come into.
     """
-    basin = cage.basin_opening_max_m
-    if not cage.guaranteed or basin is None or basin <= grasp.width_m + 2 * clearance_m:
-        return grasp.opening_m
-    return min(grasp.opening_m, max(basin - INSIDE_M, grasp.width_m + 2 * clearance_m))
+    basin, least = proof.limits.merge, hands.width + 2 * clearance_m
+    sure = np.zeros(len(hands), dtype=np.bool_) if proof.outward else proof.guaranteed(hands) & (basin > least)
+    return np.where(sure, np.minimum(hands.opening, np.maximum(basin - INSIDE_M, least)), hands.opening)
 
 
 def surest_first(grasp: Grasp) -> tuple[bool, float, float]:

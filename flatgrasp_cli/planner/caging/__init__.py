@@ -1,13 +1,13 @@
 """Two-finger caging: within which openings an object cannot get away, whatever it does and however it is pushed.
 
-`certify` proves it for a hand's grasps, `immobilising_grasps` finds all grasps of an outline by it. An outline is made
+`prove` proves it for a hand's grasps, `immobilising_grasps` finds all grasps of an outline by it. An outline is made
 ready (outline), its contact space cut into levels (contact_space for fingers that close, stretching for such that open)
 and flooded (merge_tree); placements are then looked up (limits), as points on the hand's pads (hands), and their cage
 says how far the hand may miss (tolerance).
 """
 
-from flatgrasp_cli.planner.caging.certificate import certify
+from flatgrasp_cli.planner.caging.certificate import Proof, prove
 from flatgrasp_cli.planner.caging.hands import Hands
 from flatgrasp_cli.planner.caging.immobilising import Immobilisation, immobilising_grasps
 
-__all__ = ["Hands", "Immobilisation", "certify", "immobilising_grasps"]
+__all__ = ["Hands", "Immobilisation", "Proof", "immobilising_grasps", "prove"]

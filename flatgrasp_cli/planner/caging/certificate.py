@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import dataclass, fields
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
+from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.model import Cage, Tolerance
 from flatgrasp_cli.planner.caging.boundary import Boundary
 from flatgrasp_cli.planner.caging.contact_space import Caging, squeezing
@@ -20,28 +20,55 @@ from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import CagingSettings
 
 
-def certify(loops: Sequence[FloatArray], hands: Hands, gripper: Gripper, settings: CagingSettings) -> tuple[Cage, ...]:
-    """The cages of k grasps of the region `loops` (n_l, 2), the outer loop first.
+@dataclass(frozen=True, slots=True, eq=False)
+class Proof:
+    """What an outline proves of k grasps, with whatever opening the hand comes.
+
+    `limits` (k,) are those of the points on the pads that prove most, `sure` (k,) is the escape opening of every
+    outline within the noise, NaN where not all of them cage. `reason` says why nothing is proved.
+    """
+
+    loops: Sequence[FloatArray]
+    gripper: Gripper
+    outward: bool
+    limits: Limits
+    sure: FloatArray
+    reason: str | None = None
+
+    def guaranteed(self, hands: Hands) -> BoolArray:
+        """Whether the grasps (k,) are caged even if the outline errs by its noise."""
+        sign = -1.0 if self.outward else 1.0
+        return np.asarray(sign * hands.width < sign * self.sure)
+
+    def cages(self, hands: Hands) -> tuple[Cage, ...]:
+        """The certificates of the grasps."""
+        if self.reason is not None:
+            return (_uncaged(self.reason),) * len(hands)
+        guaranteed, forgiven = self.guaranteed(hands), _forgiven(self, hands)
+        return tuple(_cage(self, hands, k, forgiven.get(k), guaranteed=bool(guaranteed[k])) for k in range(len(hands)))
+
+
+def prove(loops: Sequence[FloatArray], hands: Hands, gripper: Gripper, settings: CagingSettings) -> Proof:
+    """What the region `loops` (n_l, 2), the outer loop first, proves of k grasps.
 
     The pads are more than the two points on them that are reasoned about, so they have no way out that the points lack.
     """
     outward = settings.closing == "outward"
     outline = prepare(loops, settings)
-    if outline is None:
-        return (_uncaged("the outline crosses itself"),) * len(hands)
-    if outline.convex:
-        return (_uncaged("convex outline: two fingers never cage it"),) * len(hands)
+    nothing = np.full(len(hands), np.nan)
+    if outline is None or outline.convex:
+        reason = "convex outline: two fingers never cage it" if outline else "the outline crosses itself"
+        no = np.zeros(len(hands), dtype=np.bool_)
+        return Proof(loops, gripper, outward, Limits(nothing, nothing, nothing, nothing, no, no), nothing, reason)
     points, aside = pad_points(hands, gripper)
     found = _openings(caging_of(outline.boundary, settings), points, aside)
     best = _farthest(found, outward=outward)
     found = _pick(found, best)
-    sure = np.full(len(hands), np.nan)
     eroded = outline.eroded(settings.noise_m) if found.caged.any() else None
-    if eroded is not None:
-        proof = _pick(_openings(caging_of(eroded, settings), points, aside), best)
-        sure = np.where(proof.caged, proof.escape, np.nan)
-    forgiven = _forgiven(loops, hands, found, gripper, outward=outward)
-    return tuple(_cage(hands, found, k, (float(sure[k]), forgiven.get(k)), outward=outward) for k in range(len(hands)))
+    if eroded is None:
+        return Proof(loops, gripper, outward, found, nothing)
+    proof = _pick(_openings(caging_of(eroded, settings), points, aside), best)
+    return Proof(loops, gripper, outward, found, np.where(proof.caged, proof.escape, np.nan))
 
 
 def caging_of(boundary: Boundary, settings: CagingSettings) -> Caging:
@@ -79,27 +106,25 @@ def _pick(found: Limits, row: IntArray) -> Limits:
     return Limits(*(getattr(found, each.name)[row, np.arange(len(row))] for each in fields(found)))
 
 
-def _forgiven(
-    loops: Sequence[FloatArray], hands: Hands, found: Limits, gripper: Gripper, *, outward: bool
-) -> dict[int, Tolerance]:
+def _forgiven(proof: Proof, hands: Hands) -> dict[int, Tolerance]:
     """The tolerances of the hands that are caged.
 
     Closing surely ends in the grasp's basin from the opening of the approach on or, if that is beyond, the basin's.
     """
-    caged = np.flatnonzero(found.caged)
+    caged = np.flatnonzero(proof.limits.caged)
     if len(caged) == 0:
         return {}
-    hands, merge = hands.select(caged), found.merge[caged]
-    if outward:
+    hands, merge = hands.select(caged), proof.limits.merge[caged]
+    if proof.outward:
         begin = np.minimum(np.maximum(hands.opening, merge), hands.width)
     else:
         begin = np.maximum(np.minimum(hands.opening, merge), hands.width)
-    figures = tolerances(loops, hands, sweeps(hands, begin, gripper, outward=outward))
+    figures = tolerances(proof.loops, hands, sweeps(hands, begin, proof.gripper, outward=proof.outward))
     return dict(zip(caged.tolist(), figures, strict=True))
 
 
-def _cage(hands: Hands, found: Limits, k: int, proof: tuple[float, Tolerance | None], *, outward: bool) -> Cage:
-    sure, forgiven = proof
+def _cage(proof: Proof, hands: Hands, k: int, forgiven: Tolerance | None, *, guaranteed: bool) -> Cage:
+    found, outward = proof.limits, proof.outward
     sign = -1.0 if outward else 1.0
     escape, merge, width, opening = (float(each[k]) for each in (found.escape, found.merge, hands.width, hands.opening))
     if not found.meets[k]:
@@ -109,8 +134,11 @@ def _cage(hands: Hands, found: Limits, k: int, proof: tuple[float, Tolerance | N
             return _uncaged("closing, the fingers slip off")
         side = "below" if outward else "above"
         return _uncaged(f"escapes at {escape:.4f} m, not {side} the grasp's width {width:.4f} m")
-    guaranteed = sign * width < sign * sure
-    ends = {"opening": escape, "basin_opening": merge, "guaranteed_opening": sure if guaranteed else np.nan}
+    ends = {
+        "opening": escape,
+        "basin_opening": merge,
+        "guaranteed_opening": float(proof.sure[k]) if guaranteed else np.nan,
+    }
     return Cage(
         squeezing=not outward,
         stretching=outward,
