@@ -14,7 +14,7 @@ from flatgrasp_cli import Plan, load_gripper, load_settings, plan
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
-from flatgrasp_cli.model import Cloud, Grasp, ObjectPlan
+from flatgrasp_cli.model import Cloud, Grasp, ObjectPlan, Source
 from flatgrasp_cli.planner import plan_object
 from flatgrasp_cli.planner.slices import lowest_tip, slices
 from flatgrasp_cli.profiles import Gripper
@@ -45,6 +45,21 @@ def best(result: Plan) -> Grasp:
 def seen(gripper: Gripper, *solids: Solid, camera: Camera = ABOVE) -> Grasp:
     """The best grasp of what a camera sees on the table."""
     return best(planned(camera.sees(TABLE, *solids), gripper))
+
+
+def ground() -> tuple[FloatArray, FloatArray]:
+    """X and y (n, n) of places 1 mm apart on a table of 30 × 30 cm."""
+    x, y = np.meshgrid(np.arange(-150, 151) * MM, np.arange(-150, 151) * MM)
+    return x, y
+
+
+def relief(heights: FloatArray) -> Cloud:
+    """The cloud of a surface so high over `ground`, seen from above, with noise of 0.3 mm."""
+    x, y = ground()
+    noise = np.random.default_rng(0).normal(0, 0.3 * MM, heights.size)
+    return Cloud(
+        np.column_stack([x.ravel(), y.ravel(), heights.ravel() + noise]), np.array([0, 0, 0.8]), Source("relief")
+    )
 
 
 def in_hand(grasp: Grasp, points: FloatArray) -> FloatArray:
@@ -131,10 +146,10 @@ class TestSlices:
 
     def test_the_lowest_tip_leaves_the_clearance_or_a_share_of_a_low_object(self) -> None:
         clearance, least, share = DEPTH.table_clearance_m, DEPTH.min_clearance_m, DEPTH.low_object_share
-        assert lowest_tip(np.full(100, 0.1), DEPTH) == clearance
+        assert lowest_tip(0.1, DEPTH) == clearance
         pen = 0.5 * (least + clearance) / share
-        assert lowest_tip(np.full(100, pen), DEPTH) == pytest.approx(share * pen)
-        assert lowest_tip(np.full(100, 0.001), DEPTH) == least
+        assert lowest_tip(pen, DEPTH) == pytest.approx(share * pen)
+        assert lowest_tip(0.001, DEPTH) == least
 
 
 class TestDepth:
@@ -192,6 +207,30 @@ class TestDepth:
         upper = Box((0.01, 0.0, lower_m + 0.015), (0.09, 0.03, 0.03))
         grasp = seen(pr2, lower, upper, camera=replace(KINECT, tilt_deg=0))
         assert grasp.width_m == pytest.approx(0.03, abs=3 * MM)
+
+    def test_an_object_hardly_wider_than_a_finger_is_grasped(self, pr2: Gripper) -> None:
+        die = ABOVE.sees(TABLE, Box((0.0, 0.0, 0.01), (0.02, 0.02, 0.02)))
+        grasp = best(planned(die, pr2))
+        assert grasp.width_m == pytest.approx(0.02, abs=4 * MM)
+        assert grasp.position[:2] == pytest.approx([0, 0], abs=3 * MM)
+        assert planned(die, pr2, "fingers.chord_share_max=null").best is None
+
+    def test_a_part_that_is_high_where_no_finger_can_be_does_not_keep_them_up(self, pr2: Gripper) -> None:
+        """A fork: 4.5 mm high where it is grasped, and 9 mm at one end."""
+        x, y = ground()
+        fork = (np.abs(x) < 0.055) & (np.abs(y) < 0.004)
+        grasp = best(planned(relief(np.where(fork, np.where(x > 0.045, 9 * MM, 4.5 * MM), 0.0)), pr2))
+        assert grasp.tip_height_m == pytest.approx(DEPTH.low_object_share * 4.5 * MM, abs=0.3 * MM)
+        assert grasp.width_m == pytest.approx(0.008, abs=2 * MM)
+
+    @pytest.mark.parametrize(("slope", "held"), [(1.2, False), (4.0, True)])
+    def test_pads_slip_off_a_flank(self, slope: float, held: bool, pr2: Gripper) -> None:
+        """A ridge whose sides rise by so much: friction holds where that is more than 1/μ."""
+        x, y = ground()
+        rise = np.minimum(slope * (0.025 - np.abs(y)), 0.03)
+        result = planned(relief(np.where((np.abs(x) < 0.05) & (rise > 0), rise, 0.0)), pr2)
+        across = [abs(axes_from_quaternion(grasp.orientation)[1, 1]) > 0.9 for grasp in result.objects[0].grasps]
+        assert any(across) == held
 
 
 class TestOpening:

@@ -30,7 +30,7 @@ def certified(plan: ObjectPlan, gripper: Gripper, settings: PlannerSettings, top
     proof = prove(outline.loops, hands, gripper, settings.caging)
     hands = replace(hands, opening=_preshape(hands, proof, settings.hand.clearance_m))
     cages = proof.cages(hands)
-    closures = _closures(plan.grasps, hands, outline, gripper, settings)
+    closures = _closures(plan, hands, outline, gripper, settings)
     grasps = [
         replace(grasp, cage=cage, closure=closure, opening_m=opening)
         for grasp, cage, closure, opening in zip(plan.grasps, cages, closures, hands.opening.tolist(), strict=True)
@@ -89,14 +89,17 @@ def surest_first(grasp: Grasp) -> tuple[bool, float, float]:
 
 
 def _closures(
-    grasps: tuple[Grasp, ...], hands: Hands, outline: Silhouette, gripper: Gripper, settings: PlannerSettings
+    plan: ObjectPlan, hands: Hands, outline: Silhouette, gripper: Gripper, settings: PlannerSettings
 ) -> list[Closure]:
     """Force closure of pads that press along the closing axis, with the friction that the settings count on."""
-    friction = settings.balance.friction if settings.balance.friction is not None else gripper.pad_friction
+    grasps, fingers = plan.grasps, plan.trace.fingers
+    friction = settings.balance.friction_with(gripper)
     reference = reference_of(outline.loops)
     contacts = np.array([outline.frame.to_local(grasp.contacts)[:, :2] for grasp in grasps])
     normals = np.stack([hands.axis, -hands.axis], axis=1)
     width = np.full((len(grasps), 2), gripper.finger_width_m)
+    if fingers is not None:  # a small object meets less of the pads
+        width = np.minimum(width, fingers.width[np.array([grasp.fingers for grasp in grasps])])
     points = point_quality(contacts, normals, friction, reference)
     pads = pad_quality(contacts, normals, width, friction, reference)
     margins = friction_margin(np.array([grasp.required_friction for grasp in grasps]), friction)

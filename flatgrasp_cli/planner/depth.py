@@ -12,19 +12,25 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
+from flatgrasp_cli.geometry.lines import fitted_lines
 from flatgrasp_cli.geometry.polygon import dot, left_normal
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates
 from flatgrasp_cli.planner.funnel import Funnel
 from flatgrasp_cli.planner.hand import Fit, centers, openings
+from flatgrasp_cli.planner.slices import lowest_tip
 from flatgrasp_cli.planner.view import View
 from flatgrasp_cli.profiles.gripper import Gripper
-from flatgrasp_cli.profiles.settings import DepthSettings, HandSettings, PlannerSettings
+from flatgrasp_cli.profiles.settings import HandSettings, PlannerSettings
 
 PALM_CELL_M = 0.005
-WALL_INWARD_M = np.array([0.001, 0.002, 0.003, 0.004, 0.005])
-"""How far in from the outline the top of the wall that a pad rests on is looked for."""
-NEAR_PLACES = 3
-"""Of those the ones that are seen at the boundary."""
+INWARD_M = np.array([0.001, 0.002, 0.003, 0.005, 0.007, 0.009])
+"""How far in from the outline it is looked for what a pad rests on: a wall, or a flank."""
+WALL_PLACES = 3
+"""Of those the ones in which the wall's top is looked for."""
+LEAST_SLOPE = 0.5
+"""What rises less is an object's top."""
+MIN_GRIP_SHARE = 0.5
+"""Of a wall that is too low for the least grip the pads must hold this share."""
 FLANK_OUTWARD_M = np.array([0.002, 0.003, 0.004])
 ALONG_PAD = np.array([-0.4, -0.2, 0.0, 0.2, 0.4])
 """Places along a pad, in widths of it."""
@@ -44,7 +50,8 @@ class Terrain:
     `surface` is the mean height of the slice's own points, `average` that of all of the object's. `rest` is the highest
     of all others that fingers can meet, the free plane being 0 and what no ray reached −inf; `fine` that of everything,
     for the parts of fingers that are away from the contact, and `whole` the same, coarser, for the palm. `view` is what
-    the sensor saw of all that. Fingertips may end at `lowest_m`, and what is no higher than `ground_m` is no obstacle.
+    the sensor saw of all that. Fingertips may end at `lowest_m`, lower where they find no hold else; what is no higher
+    than `ground_m` is no obstacle.
     """
 
     level_m: float
@@ -94,19 +101,23 @@ def upright(fingers: FingerCandidates, terrain: Terrain, wall_drop: float) -> Bo
     return np.asarray(steep.mean(axis=(0, 1)) >= 0.5)
 
 
-def _walls(fingers: FingerCandidates, terrain: Terrain) -> tuple[FloatArray, FloatArray]:
-    """Heights (m,) over the plane: of the top of the wall before each candidate, and of what was seen at its boundary.
+def _walls(fingers: FingerCandidates, terrain: Terrain, friction: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Heights (m,) over the plane at each candidate: of the wall's top, of what pads hold of it, and of the boundary.
 
-    The first is typical of the places along the pad, the second a mean; the slice's level where nothing was seen.
+    The first is typical of the places along the pad, the last a mean; the slice's level where nothing was seen. Pads
+    slip off what rises inward less steeply than 1/μ: there they hold what is there at the boundary.
     """
-    heights = terrain.surface.over(*pad_places(fingers, WALL_INWARD_M, ALONG_PAD))  # (distances, places, m)
-    tops = heights.max(axis=0)
+    heights = terrain.surface.over(*pad_places(fingers, INWARD_M, ALONG_PAD))  # (distances, places, m)
+    tops = heights[:WALL_PLACES].max(axis=0)
     top = np.sort(np.where(np.isfinite(tops), tops, terrain.level_m), axis=0)[len(ALONG_PAD) // 2]
-    near = heights[:NEAR_PLACES]
-    known = np.isfinite(near)
-    count = known.sum(axis=(0, 1))
-    total = np.where(known, near, 0.0).sum(axis=(0, 1))
-    return top, np.where(count > 0, total / np.maximum(count, 1), terrain.level_m)
+    known = np.isfinite(heights)
+    counts, totals = known.sum(axis=1), np.where(known, heights, 0.0).sum(axis=1)
+    profile = np.where(counts > 0, totals / np.maximum(counts, 1), np.nan).T
+    _, slope = fitted_lines(INWARD_M, profile)
+    flank = (slope > LEAST_SLOPE) & (slope < 1 / friction)
+    firm = top - np.where(flank, slope * INWARD_M[WALL_PLACES - 1], 0.0)
+    count, total = counts[:WALL_PLACES].sum(axis=0), totals[:WALL_PLACES].sum(axis=0)
+    return top, firm, np.where(count > 0, total / np.maximum(count, 1), terrain.level_m)
 
 
 def pad_places(fingers: FingerCandidates, inward: FloatArray, along: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -132,23 +143,30 @@ def land(
     depth = settings.depth
     margins = _margins(fit, gripper, settings)
     below, unseen = _under_fingers(fingers, pairs, fit, margins, (terrain, gripper, settings.hand.clearance_m))
-    deepest = deepest_tip(terrain, depth)
+    walls, firm, seen = _walls(fingers, terrain, settings.balance.friction_with(gripper))
+    top, wall = np.minimum(firm[pairs.i], firm[pairs.j]), np.minimum(walls[pairs.i], walls[pairs.j])
+    need = np.minimum(depth.min_grip_m, MIN_GRIP_SHARE * np.maximum(wall, 0.0))
+    lowest = np.minimum(terrain.lowest_m, lowest_tip(top, depth))
+    lowest = np.maximum(lowest, terrain.level_m - depth.slice_step_m)  # what is deeper is a lower slice's
     headroom = gripper.finger_length_m - depth.palm_clearance_m
-    palm = _under_palm(centers(fingers, pairs, fit), pairs.axis, terrain.whole, deepest + headroom, gripper)
+    palm = _under_palm(centers(fingers, pairs, fit), pairs.axis, terrain.whole, lowest.min() + headroom, gripper)
     clearance = np.where(below > terrain.lowest_m, depth.obstacle_clearance_m, depth.min_clearance_m)
-    tips = np.where(below > terrain.ground_m, below + clearance, deepest)  # lower ones are the plane's own ripple
-    tips = np.maximum(tips, np.maximum(palm - headroom, deepest))
+    met = np.where(below > terrain.ground_m, below + clearance, -np.inf)  # what is no higher is the plane's own ripple
+    met = np.maximum(met, palm - headroom)
+    tips = np.maximum(met, max(terrain.lowest_m, terrain.level_m - depth.slice_step_m))
+    if (top - tips.min(axis=0) < need).all():  # it is high where no finger can be: they go as deep as beside a low one
+        tips = np.maximum(met, lowest)
     choice = np.argmax(tips <= tips.min(axis=0) + LOWER_M, axis=0)  # widest of those that let the tips down
     columns = np.arange(len(pairs))
-    tops, seen = _walls(fingers, terrain)
-    top = np.minimum(tops[pairs.i], tops[pairs.j])
     tip, margin = tips[choice, columns], margins[choice, columns]
     touch = np.clip(np.maximum(seen[pairs.i], seen[pairs.j]), tip, np.maximum(top, tip))
     landing = Landing(fit.width + 2 * margin, tip, top - tip, margin, unseen[choice, columns], touch)
-    need = np.minimum(depth.min_grip_m, 0.5 * np.maximum(top, 0.0))
 
     def miss(value: float) -> str:
-        return f"the pads would end {value:.3f} m too high: something below the fingers or the palm keeps the hand up"
+        return (
+            f"the pads would end {1e3 * value:.1f} mm too high to grip: what lies below fingers or palm keeps them up, "
+            "or the object is too low or too slanted"
+        )
 
     kept = funnel.at_most("depth", pairs, need - landing.grip, 0.0, miss)
     if depth.unseen == "refuse":
@@ -157,11 +175,6 @@ def land(
         )
         kept = kept[plain]
     return pairs.select(kept), fit.select(kept), landing.select(kept)
-
-
-def deepest_tip(terrain: Terrain, settings: DepthSettings) -> float:
-    """How low fingertips may go for a slice, over the plane: deeper is a lower slice's."""
-    return max(terrain.lowest_m, terrain.level_m - settings.slice_step_m)
 
 
 def _margins(fit: Fit, gripper: Gripper, settings: PlannerSettings) -> FloatArray:

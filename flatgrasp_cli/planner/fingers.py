@@ -47,14 +47,22 @@ def finger_candidates(
 ) -> FingerCandidates:
     """§III.A.3.2: chords as long as a jaw is wide, one from each step point; with directions to the loop's left.
 
-    A hand whose two jaws differ (a thumb against a pair) gets candidates of its own for each jaw.
+    A hand whose two jaws differ (a thumb against a pair) gets candidates of its own for each jaw. On an object hardly
+    wider than a finger they are shorter: it then meets but a part of the pad.
     """
     jaws = (EITHER_JAW,) if gripper.symmetric else (0, 1)
-    widths = {jaw: gripper.jaw_width_m(max(jaw, 0)) for jaw in jaws}
+    longest = (settings.chord_share_max or np.inf) * float(np.ptp(silhouette.loops[0], axis=0).max())
+    widths = {jaw: _chord_m(gripper, max(jaw, 0), longest) for jaw in jaws}
     parts = [_candidates_of_loop(silhouette.loops[step.loop], step, widths, settings) for step in steps]
     columns = [column.name for column in fields(FingerCandidates)]
     found = FingerCandidates(*(np.concatenate([getattr(part, name) for part in parts]) for name in columns))
     return found.select(np.argsort(found.jaw, kind="stable"))
+
+
+def _chord_m(gripper: Gripper, jaw: int, longest: float) -> float:
+    """Length of a jaw's chords; those of several fingers are never shortened, for all of them must touch."""
+    width = gripper.jaw_width_m(jaw)
+    return min(width, longest) if len(gripper.jaws[jaw]) == 1 else width
 
 
 def _candidates_of_loop(

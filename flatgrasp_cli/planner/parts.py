@@ -14,7 +14,7 @@ from flatgrasp_cli.model import ObjectCloud, OrientedBox, SupportPlane
 from flatgrasp_cli.planner.depth import PALM_CELL_M, Terrain
 from flatgrasp_cli.planner.main_plane import oriented_box
 from flatgrasp_cli.planner.silhouette import spacing
-from flatgrasp_cli.planner.slices import lowest_tip, slices
+from flatgrasp_cli.planner.slices import lowest_tip, slices, top_of
 from flatgrasp_cli.planner.view import View
 from flatgrasp_cli.profiles.settings import PlannerSettings
 
@@ -53,7 +53,7 @@ def sliced(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, settings
         others = others.filled(cloud.floor.levels, frame, cloud.floor.frame)
     fine = others.raised(local)
     whole = HeightMap.of(np.concatenate([local, obstacles]), max(PALM_CELL_M, cell_m))
-    lowest = lowest_tip(local[:, 2], settings.depth)
+    lowest = float(lowest_tip(top_of(local[:, 2]), settings.depth))
     view = _view(cloud, frame, cell_m)
     average, ground = fine.averaged(local), settings.depth.min_clearance_m
     parts = []

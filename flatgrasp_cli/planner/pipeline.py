@@ -26,7 +26,7 @@ from flatgrasp_cli.model import (
 from flatgrasp_cli.planner.allen import point_finger_grasps
 from flatgrasp_cli.planner.balance import force_balance, force_balanced, torque_balanced
 from flatgrasp_cli.planner.certification import certified, surest_first
-from flatgrasp_cli.planner.depth import Landing, at_mid_height, deepest_tip, land, upright
+from flatgrasp_cli.planner.depth import Landing, at_mid_height, land, upright
 from flatgrasp_cli.planner.fingers import finger_candidates, inward_directions, step_points
 from flatgrasp_cli.planner.funnel import Funnel, NothingLeft
 from flatgrasp_cli.planner.gravity import RankingCost, best_first, landing_cost, ranking_cost
@@ -81,7 +81,7 @@ def _cheapest(parts: list[Part], planned: Callable[[Part], ObjectPlan], settings
     whole, *others = parts
     best = planned(whole)
     for part in others:
-        height_m = deepest_tip(part.terrain, settings.depth) if part.terrain else 0.0
+        height_m = part.terrain.level_m - settings.depth.slice_step_m if part.terrain else 0.0
         least = best.grasps[0].cost_m if best.grasps else np.inf
         if settings.gravity.level_weight * height_m <= least:
             best = min(best, planned(part), key=_best_first)

@@ -12,6 +12,7 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
 from flatgrasp_cli.geometry.height_map import HeightMap
+from flatgrasp_cli.geometry.lines import fitted_lines
 from flatgrasp_cli.geometry.polygon import dot
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates
 from flatgrasp_cli.planner.depth import Terrain, pad_places
@@ -103,7 +104,7 @@ def hidden_extent(
     count = known.sum(axis=1)
     heights = np.where(count > 0, total / np.maximum(count, 1), np.nan).T  # (k, distances)
     near = PROFILE_M <= LIMB_M
-    limb, measured = _line(PROFILE_M[near], heights[:, near])
+    limb, measured = fitted_lines(PROFILE_M[near], heights[:, near])
     slope = _limb_slope(fingers, limb, viewpoint)
     half = 0.5 * np.nanmax(np.where(np.isfinite(heights), heights, 0.0), axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -121,15 +122,3 @@ def _limb_slope(fingers: FingerCandidates, limb: FloatArray, viewpoint: FloatArr
     away = -dot(ray, fingers.direction)
     fall = np.arctan2(viewpoint[2] - limb, np.maximum(away, 1e-9))
     return np.where(away > 0, np.tan(np.clip(fall - np.radians(LOST_DEG), 0.0, np.radians(85))), 0.0)
-
-
-def _line(x: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Value at 0 and slope (m,) of least-squares lines through `values` (m, n) over `x` (n,), NaN left out."""
-    known = np.isfinite(values)
-    count = np.maximum(known.sum(axis=1), 1)
-    mean_x = np.where(known, x, 0.0).sum(axis=1) / count
-    mean = np.where(known, values, 0.0).sum(axis=1) / count
-    dx = np.where(known, x - mean_x[:, None], 0.0)
-    spread = (dx**2).sum(axis=1)
-    slope = (dx * np.where(known, values, 0.0)).sum(axis=1) / np.where(spread > 0, spread, 1.0)
-    return mean - slope * mean_x, slope

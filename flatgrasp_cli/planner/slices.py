@@ -37,21 +37,21 @@ def top_of(heights: FloatArray) -> float:
     return float(np.partition(heights, place)[place])
 
 
-def lowest_tip(heights: FloatArray, settings: DepthSettings) -> float:
-    """How low fingertips may go over the support plane: the clearance, less for an object hardly higher than that."""
-    top = top_of(heights)
-    return float(min(settings.table_clearance_m, max(settings.min_clearance_m, top * settings.low_object_share)))
+def lowest_tip(tops: FloatArray | float, settings: DepthSettings) -> FloatArray:
+    """How low fingertips may go beside what is `tops` (…) high: the clearance, less where that is hardly higher."""
+    share = np.maximum(settings.min_clearance_m, np.multiply(tops, settings.low_object_share))
+    return np.asarray(np.minimum(settings.table_clearance_m, share))
 
 
 def slices(local: FloatArray, cell_m: float, settings: DepthSettings) -> list[Slice]:
     """The whole object, and the parts of it that stand out; `local` (n, 3) has heights over the plane as z."""
-    lowest = lowest_tip(local[:, 2], settings)
+    top = top_of(local[:, 2])
+    lowest = float(lowest_tip(top, settings))
     found = [Slice(lowest, np.arange(len(local)))]
     chart = HeightMap.of(local, cell_m)
     cell_of = chart.cells_of(local)
     below = np.full(chart.heights.shape, np.count_nonzero(np.isfinite(chart.heights)))  # footprint that cells belong to
     taken = np.full(chart.heights.shape, MOST_ALIKE)  # slices with about that footprint
-    top = top_of(local[:, 2])
     for level in np.arange(lowest + settings.slice_step_m, top - settings.min_grip_m, settings.slice_step_m):
         _, labels, boxes, _ = cv2.connectedComponentsWithStats((chart.heights > level).view(np.uint8), connectivity=8)
         piece = np.where(local[:, 2] > level, labels.ravel()[cell_of], 0)

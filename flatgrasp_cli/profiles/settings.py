@@ -87,6 +87,9 @@ class FingerSettings(Profile):
     """Step points lie `step_m` apart in a straight line (eq. 1), or along the boundary."""
     step_m: PositiveLength | None
     """The paper's r; None: a 200th of the perimeter, 2 to 6 mm."""
+    chord_share_max: Share | None
+    """Longest chord, as a share of the outline's longer side: on less than that a single finger's pad may bear. None:
+    chords are as long as the jaw is wide, however small the object."""
     arc_ratio_max: Annotated[float, Field(gt=1)] | None
     """Longest boundary under a chord, in chords: beyond it the boundary folds around a thin part. None: any."""
     walk: Literal["cyclic", "open"]
@@ -115,6 +118,10 @@ class BalanceSettings(Profile):
     """Threshold on required friction (μ), on the torque arm T_s (m), or on T/d."""
     torque_max: Annotated[float, Field(gt=0)] | None
     """Limit in the unit of `torque`; None: μ, or for the other two what the friction cone leaves."""
+
+    def friction_with(self, gripper: Gripper) -> float:
+        """The friction coefficient that is counted on."""
+        return self.friction if self.friction is not None else gripper.pad_friction
 
 
 class HandSettings(Profile):
@@ -242,7 +249,7 @@ class PlannerSettings(Profile):
     def resolve(self, gripper: Gripper) -> PlannerSettings:
         """The same with every None that the gripper decides replaced; those that the object decides stay None."""
         balance = self.balance
-        friction = balance.friction if balance.friction is not None else gripper.pad_friction
+        friction = balance.friction_with(gripper)
         cone = math.atan(friction)
         gamma = balance.force_balance_max_deg or math.degrees(2 * balance.force_share * cone)
         torque_max = balance.torque_max
