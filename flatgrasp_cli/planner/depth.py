@@ -102,10 +102,10 @@ def upright(fingers: FingerCandidates, terrain: Terrain, wall_drop: float) -> Bo
 
 
 def _walls(fingers: FingerCandidates, terrain: Terrain, friction: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Heights (m,) over the plane at each candidate: of the wall's top, of what pads hold of it, and of the boundary.
+    """At each candidate (m,): heights of the wall's top and of the boundary over the plane, and how much of it is flank.
 
-    The first is typical of the places along the pad, the last a mean; the slice's level where nothing was seen. Pads
-    slip off what rises inward less steeply than 1/μ: there they hold what is there at the boundary.
+    The first is typical of the places along the pad, the second a mean; the slice's level where nothing was seen. What
+    rises inward less steeply than 1/μ is a flank, a wall only as far as it is high at the boundary.
     """
     heights = terrain.surface.over(*pad_places(fingers, INWARD_M, ALONG_PAD))  # (distances, places, m)
     tops = heights[:WALL_PLACES].max(axis=0)
@@ -115,9 +115,9 @@ def _walls(fingers: FingerCandidates, terrain: Terrain, friction: float) -> tupl
     profile = np.where(counts > 0, totals / np.maximum(counts, 1), np.nan).T
     _, slope = fitted_lines(INWARD_M, profile)
     flank = (slope > LEAST_SLOPE) & (slope < 1 / friction)
-    firm = top - np.where(flank, slope * INWARD_M[WALL_PLACES - 1], 0.0)
     count, total = counts[:WALL_PLACES].sum(axis=0), totals[:WALL_PLACES].sum(axis=0)
-    return top, firm, np.where(count > 0, total / np.maximum(count, 1), terrain.level_m)
+    seen = np.where(count > 0, total / np.maximum(count, 1), terrain.level_m)
+    return top, seen, np.where(flank, slope * INWARD_M[WALL_PLACES - 1], 0.0)
 
 
 def pad_places(fingers: FingerCandidates, inward: FloatArray, along: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -143,8 +143,9 @@ def land(
     depth = settings.depth
     margins = _margins(fit, gripper, settings)
     below, unseen = _under_fingers(fingers, pairs, fit, margins, (terrain, gripper, settings.hand.clearance_m))
-    walls, firm, seen = _walls(fingers, terrain, settings.balance.friction_with(gripper))
-    top, wall = np.minimum(firm[pairs.i], firm[pairs.j]), np.minimum(walls[pairs.i], walls[pairs.j])
+    walls, seen, flanks = _walls(fingers, terrain, settings.balance.friction_with(gripper))
+    wall = np.minimum(walls[pairs.i], walls[pairs.j])
+    top = wall - np.minimum(flanks[pairs.i], flanks[pairs.j])  # between two flanks it slips; a slanted wall has but one
     need = np.minimum(depth.min_grip_m, MIN_GRIP_SHARE * np.maximum(wall, 0.0))
     lowest = np.minimum(terrain.lowest_m, lowest_tip(top, depth))
     lowest = np.maximum(lowest, terrain.level_m - depth.slice_step_m)  # what is deeper is a lower slice's
