@@ -102,7 +102,7 @@ def upright(fingers: FingerCandidates, terrain: Terrain, wall_drop: float) -> Bo
 
 
 def _walls(fingers: FingerCandidates, terrain: Terrain, friction: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """At each candidate (m,): heights of the wall's top and of the boundary over the plane, and how much of it is flank.
+    """Heights over the plane of the wall's top and of the boundary at each candidate (m,), and how much is flank.
 
     The first is typical of the places along the pad, the second a mean; the slice's level where nothing was seen. What
     rises inward less steeply than 1/μ is a flank, a wall only as far as it is high at the boundary.
