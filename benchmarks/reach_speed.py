@@ -52,7 +52,7 @@ def main() -> None:
     parser.add_argument("--repeat", type=int, default=7)
     args = parser.parse_args()
     robot, rng, count = load_robot(args.robot), np.random.default_rng(0), args.count
-    positions, axes = grasps(count, -sum(robot.dh.a_m), rng)
+    positions, axes = grasps(count, robot.reach_m, rng)
     pose = forward(robot.dh, rng.uniform(-np.pi, np.pi, (count, 6)))[:, 5]
     random_axes = np.ascontiguousarray(pose[:, :3, :3].transpose(0, 2, 1))
     poses = {"random poses": (pose[:, :3, 3], random_axes), "poses of grasps": (positions - TOOL_M * axes[:, 2], axes)}

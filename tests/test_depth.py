@@ -215,13 +215,37 @@ class TestDepth:
         assert grasp.position[:2] == pytest.approx([0, 0], abs=3 * MM)
         assert planned(die, pr2, "fingers.chord_share_max=null").best is None
 
-    def test_a_part_that_is_high_where_no_finger_can_be_does_not_keep_them_up(self, pr2: Gripper) -> None:
-        """A fork: 4.5 mm high where it is grasped, and 9 mm at one end."""
+    @pytest.mark.parametrize("length_m", [0.010, 0.025])
+    def test_a_high_end_does_not_keep_the_fingers_off_the_low_middle(self, length_m: float, pr2: Gripper) -> None:
+        """A fork: too low in the middle for the tips' height over an object as high as its end."""
         x, y = ground()
-        fork = (np.abs(x) < 0.055) & (np.abs(y) < 0.004)
-        grasp = best(planned(relief(np.where(fork, np.where(x > 0.045, 9 * MM, 4.5 * MM), 0.0)), pr2))
-        assert grasp.tip_height_m == pytest.approx(DEPTH.low_object_share * 4.5 * MM, abs=0.3 * MM)
-        assert grasp.width_m == pytest.approx(0.008, abs=2 * MM)
+        fork, low = (np.abs(x) < 0.055) & (np.abs(y) < 0.004), 6 * MM
+        heights = np.where(fork, np.where(x > 0.055 - length_m, 14 * MM, low), 0.0)
+        grasps = planned(relief(heights), pr2, top=1000).objects[0].grasps
+        middle = [grasp for grasp in grasps if abs(grasp.position[0]) < 0.01]
+        assert len(middle) > 0
+        for grasp in middle:
+            assert grasp.tip_height_m == pytest.approx(DEPTH.low_object_share * low, abs=0.4 * MM)
+            assert grasp.width_m == pytest.approx(0.008, abs=2 * MM)
+
+    def test_a_knife_is_taken_by_its_handle(self, pr2: Gripper) -> None:
+        """Though its middle is nearer, and wide enough for the pads: a blade is low."""
+        x, y = ground()
+        blade, handle = (np.abs(x) < 0.06) & (np.abs(y) < 0.012), (x > 0.02) & (x < 0.10) & (np.abs(y) < 0.008)
+        grasp = best(planned(relief(np.where(handle, 15 * MM, np.where(blade, 5 * MM, 0.0))), pr2))
+        assert grasp.position[0] > 0.02
+
+    @pytest.mark.parametrize(("tilt_deg", "height_m"), [(35, 0.016), (35, 0.025), (50, 0.008), (50, 0.025)])
+    @pytest.mark.parametrize("seed", [0, 1, 2])
+    def test_the_face_that_the_sensor_sees_is_a_wall(
+        self, tilt_deg: float, height_m: float, seed: int, pr2: Gripper
+    ) -> None:
+        """The mean height of its points is but half of its own, and its foot is lower than its top."""
+        box = Box((0.0, 0.0, height_m / 2), (0.10, 0.04, height_m))
+        grasp = best(planned(replace(KINECT, tilt_deg=tilt_deg).sees(TABLE, box, seed=seed), pr2))
+        assert grasp.position[0] == pytest.approx(0, abs=10 * MM)
+        assert grasp.grip_m is not None
+        assert grasp.grip_m > 0.5 * height_m
 
     @pytest.mark.parametrize(("slope", "held"), [(1.2, False), (4.0, True)])
     def test_pads_slip_off_a_flank(self, slope: float, held: bool, pr2: Gripper) -> None:

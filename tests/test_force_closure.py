@@ -131,6 +131,6 @@ def test_the_reference_is_the_centre_of_area_and_the_largest_radius() -> None:
 
 def test_lift_margins_by_hand() -> None:
     # 1 kg, 20 N, μ = 0.5: 20 N of friction against 9.80665 N; r = 15 mm: 0.2 N·m against 9.80665 N · 10 mm
-    margins = lift_margins(np.array([0.01, 0.0]), 1.0, 20.0, 0.5, 0.015)
+    margins = lift_margins(np.array([0.01, 0.0]), 1.0, 20.0, 0.5, np.full(2, 0.015))
     assert margins.weight == pytest.approx([20 / 9.80665] * 2)
     assert margins.torque == pytest.approx([0.2 / 0.0980665, np.inf])

@@ -495,9 +495,7 @@ def test_answers_do_not_depend_on_their_neighbours() -> None:
 @pytest.mark.parametrize("name", ROBOTS)
 def test_every_robot_reaches_a_grasp_before_it(name: str) -> None:
     robot = load_robot(name)
-    assert asked(
-        robot, [0.6 * sum(robot.dh.a_m), 0.0, 0.1], Motion(0.1, 0.1, UP, twin=True), Plane(UP, 0.0), DOWN, 0.1
-    ).ok
+    assert asked(robot, [-0.6 * robot.reach_m, 0.0, 0.1], Motion(0.1, 0.1, UP, twin=True), Plane(UP, 0.0), DOWN, 0.1).ok
 
 
 @pytest.mark.parametrize(

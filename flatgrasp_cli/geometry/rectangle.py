@@ -8,6 +8,11 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import FloatArray
 
 
+def longer_side(points: FloatArray) -> float:
+    """Length of the longer side of the smallest rectangle around `points` (n, 2)."""
+    return float(max(cv2.minAreaRect((points - points.mean(axis=0)).astype(np.float32))[1]))
+
+
 def minimum_area_axis(points: FloatArray) -> FloatArray:
     """Unit direction (2,) of the longer side of the smallest rectangle around `points` (n, 2).
 

@@ -80,7 +80,7 @@ def force_balanced(
     """§III.B.1: the pairs that face each other and whose γ, out of the matrix `gamma_deg` (m, k), is small enough."""
     rows, columns = opposing_candidates(fingers)
     allowed = distinct(fingers, rows, columns)
-    funnel.count("pairs", int(allowed.sum()), "there are fewer than two finger candidates")
+    funnel.count("pairs", int(allowed.sum()), "there is no finger candidate for each of the jaws")
     if limits.facing:
         allowed &= facing(fingers, rows, columns)
         funnel.count("facing", int(allowed.sum()), "no two finger candidates press toward each other")

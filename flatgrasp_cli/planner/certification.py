@@ -110,7 +110,7 @@ def _closures(
     if settings.caging.mass_kg is None or gripper.max_force_n is None:
         return closures
     away = np.array([grasp.gravity_distance_m for grasp in grasps])
-    lift = lift_margins(away, settings.caging.mass_kg, gripper.max_force_n, friction, 0.5 * gripper.finger_width_m)
+    lift = lift_margins(away, settings.caging.mass_kg, gripper.max_force_n, friction, 0.5 * width.min(axis=1))
     return [
         replace(closure, lift_weight=float(weight), lift_torque=float(torque) if np.isfinite(torque) else None)
         for closure, weight, torque in zip(closures, lift.weight, lift.torque, strict=True)

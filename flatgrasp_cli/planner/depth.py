@@ -23,10 +23,10 @@ from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import HandSettings, PlannerSettings
 
 PALM_CELL_M = 0.005
-INWARD_M = np.array([0.001, 0.002, 0.003, 0.005, 0.007, 0.009])
+INWARD_M = np.array([0.001, 0.002, 0.003, 0.004, 0.005, 0.007, 0.009])
 """How far in from the outline it is looked for what a pad rests on: a wall, or a flank."""
-WALL_PLACES = 3
-"""Of those the ones in which the wall's top is looked for."""
+SEEN_PLACES, WALL_PLACES = 3, 5
+"""Of those the ones that are seen at the boundary, and in which the wall's top is looked for."""
 LEAST_SLOPE = 0.5
 """What rises less is an object's top."""
 MIN_GRIP_SHARE = 0.5
@@ -50,8 +50,8 @@ class Terrain:
     `surface` is the mean height of the slice's own points, `average` that of all of the object's. `rest` is the highest
     of all others that fingers can meet, the free plane being 0 and what no ray reached −inf; `fine` that of everything,
     for the parts of fingers that are away from the contact, and `whole` the same, coarser, for the palm. `view` is what
-    the sensor saw of all that. Fingertips may end at `lowest_m`, lower where they find no hold else; what is no higher
-    than `ground_m` is no obstacle.
+    the sensor saw of all that. Fingertips may end at `lowest_m`, lower beside a part that is too low for that; what is
+    no higher than `ground_m` is no obstacle.
     """
 
     level_m: float
@@ -102,21 +102,23 @@ def upright(fingers: FingerCandidates, terrain: Terrain, wall_drop: float) -> Bo
 
 
 def _walls(fingers: FingerCandidates, terrain: Terrain, friction: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Heights over the plane of the wall's top and of the boundary at each candidate (m,), and how much is flank.
+    """What pads rest on before each candidate (m,): the wall's top, its boundary, and how much of it is but a flank.
 
-    The first is typical of the places along the pad, the second a mean; the slice's level where nothing was seen. What
-    rises inward less steeply than 1/μ is a flank, a wall only as far as it is high at the boundary.
+    All are heights over the plane. The top is typical of the places along the pad, the boundary a mean of what was seen
+    there; the slice's level where nothing was. What rises inward less steeply than 1/μ is a flank: it is a wall only as
+    far as it is high at the boundary. The highest points tell it, for those of an upright face are its mean.
     """
-    heights = terrain.surface.over(*pad_places(fingers, INWARD_M, ALONG_PAD))  # (distances, places, m)
+    places = pad_places(fingers, INWARD_M, ALONG_PAD)
+    heights = terrain.surface.over(*places)  # (distances, places, m)
+    known = np.isfinite(heights)
     tops = heights[:WALL_PLACES].max(axis=0)
     top = np.sort(np.where(np.isfinite(tops), tops, terrain.level_m), axis=0)[len(ALONG_PAD) // 2]
-    known = np.isfinite(heights)
-    counts, totals = known.sum(axis=1), np.where(known, heights, 0.0).sum(axis=1)
-    profile = np.where(counts > 0, totals / np.maximum(counts, 1), np.nan).T
-    _, slope = fitted_lines(INWARD_M, profile)
-    flank = (slope > LEAST_SLOPE) & (slope < 1 / friction)
-    count, total = counts[:WALL_PLACES].sum(axis=0), totals[:WALL_PLACES].sum(axis=0)
+    near, count = heights[:SEEN_PLACES], known[:SEEN_PLACES].sum(axis=(0, 1))
+    total = np.where(known[:SEEN_PLACES], near, 0.0).sum(axis=(0, 1))
     seen = np.where(count > 0, total / np.maximum(count, 1), terrain.level_m)
+    counts, totals = known.sum(axis=1), np.where(known, terrain.fine.over(*places), 0.0).sum(axis=1)
+    _, slope = fitted_lines(INWARD_M, np.where(counts > 0, totals / np.maximum(counts, 1), np.nan).T)
+    flank = (slope > LEAST_SLOPE) & (slope < 1 / friction)
     return top, seen, np.where(flank, slope * INWARD_M[WALL_PLACES - 1], 0.0)
 
 
@@ -145,9 +147,9 @@ def land(
     below, unseen = _under_fingers(fingers, pairs, fit, margins, (terrain, gripper, settings.hand.clearance_m))
     walls, seen, flanks = _walls(fingers, terrain, settings.balance.friction_with(gripper))
     wall = np.minimum(walls[pairs.i], walls[pairs.j])
-    top = wall - np.minimum(flanks[pairs.i], flanks[pairs.j])  # between two flanks it slips; a slanted wall has but one
+    firm = wall - np.minimum(flanks[pairs.i], flanks[pairs.j])  # between two it slips; a slanted wall has but one
     need = np.minimum(depth.min_grip_m, MIN_GRIP_SHARE * np.maximum(wall, 0.0))
-    lowest = np.minimum(terrain.lowest_m, lowest_tip(top, depth))
+    lowest = np.minimum(terrain.lowest_m, lowest_tip(firm, depth))
     lowest = np.maximum(lowest, terrain.level_m - depth.slice_step_m)  # what is deeper is a lower slice's
     headroom = gripper.finger_length_m - depth.palm_clearance_m
     palm = _under_palm(centers(fingers, pairs, fit), pairs.axis, terrain.whole, lowest.min() + headroom, gripper)
@@ -155,13 +157,12 @@ def land(
     met = np.where(below > terrain.ground_m, below + clearance, -np.inf)  # what is no higher is the plane's own ripple
     met = np.maximum(met, palm - headroom)
     tips = np.maximum(met, max(terrain.lowest_m, terrain.level_m - depth.slice_step_m))
-    if (top - tips.min(axis=0) < need).all():  # it is high where no finger can be: they go as deep as beside a low one
-        tips = np.maximum(met, lowest)
+    tips = np.where(firm - tips.min(axis=0) < need, np.maximum(met, lowest), tips)  # too low there: a low part of it
     choice = np.argmax(tips <= tips.min(axis=0) + LOWER_M, axis=0)  # widest of those that let the tips down
     columns = np.arange(len(pairs))
     tip, margin = tips[choice, columns], margins[choice, columns]
-    touch = np.clip(np.maximum(seen[pairs.i], seen[pairs.j]), tip, np.maximum(top, tip))
-    landing = Landing(fit.width + 2 * margin, tip, top - tip, margin, unseen[choice, columns], touch)
+    touch = np.clip(np.maximum(seen[pairs.i], seen[pairs.j]), tip, np.maximum(wall, tip))
+    landing = Landing(fit.width + 2 * margin, tip, wall - tip, margin, unseen[choice, columns], touch)
 
     def miss(value: float) -> str:
         return (
@@ -169,7 +170,7 @@ def land(
             "or the object is too low or too slanted"
         )
 
-    kept = funnel.at_most("depth", pairs, need - landing.grip, 0.0, miss)
+    kept = funnel.at_most("depth", pairs, need - (firm - tip), 0.0, miss)
     if depth.unseen == "refuse":
         plain = funnel.at_most(
             "unseen", pairs.select(kept), landing.unseen[kept], 0.0, lambda value: f"{value:.3f} m of the way is hidden"

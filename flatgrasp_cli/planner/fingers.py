@@ -9,6 +9,7 @@ import numpy as np
 
 from flatgrasp_cli.geometry import polygon
 from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.rectangle import longer_side
 from flatgrasp_cli.model import FingerCandidates, Silhouette, StepPoints
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import FingerSettings
@@ -51,7 +52,7 @@ def finger_candidates(
     wider than a finger they are shorter: it then meets but a part of the pad.
     """
     jaws = (EITHER_JAW,) if gripper.symmetric else (0, 1)
-    longest = (settings.chord_share_max or np.inf) * float(np.ptp(silhouette.loops[0], axis=0).max())
+    longest = (settings.chord_share_max or np.inf) * longer_side(silhouette.loops[0])
     widths = {jaw: _chord_m(gripper, max(jaw, 0), longest) for jaw in jaws}
     parts = [_candidates_of_loop(silhouette.loops[step.loop], step, widths, settings) for step in steps]
     columns = [column.name for column in fields(FingerCandidates)]

@@ -110,12 +110,12 @@ class LiftMargins:
 
 
 def lift_margins(
-    gravity_distance: FloatArray, mass_kg: float, force_n: float, friction: float, pad_radius_m: float
+    gravity_distance: FloatArray, mass_kg: float, force_n: float, friction: float, pad_radius_m: FloatArray
 ) -> LiftMargins:
     """Margins (k,) of lifting an object whose plane is level, above 1 where the grip holds.
 
     The two pads bear 2·μ·N ≥ m·g, and against turning about the line through both contacts, `gravity_distance` (k,)
-    from the centre of gravity, 2·μ·N·(2/3)·r ≥ m·g·distance: soft fingers with an evenly pressed disc of radius r.
+    from the centre of gravity, 2·μ·N·(2/3)·r ≥ m·g·distance: soft fingers with an evenly pressed disc of radius r (k,).
     """
     weight, grip = mass_kg * STANDARD_GRAVITY, 2 * friction * force_n
     with np.errstate(divide="ignore"):

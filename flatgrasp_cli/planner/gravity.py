@@ -109,6 +109,7 @@ def landing_cost(landing: Landing, settings: PlannerSettings) -> FloatArray:
     return np.asarray(
         weights.level_weight * landing.tip
         + weights.grip_weight * shallow
+        + weights.low_grip_weight * np.maximum(settings.depth.min_grip_m - landing.grip, 0.0)
         + weights.margin_weight * tight
         + weights.unseen_weight * unseen
     )

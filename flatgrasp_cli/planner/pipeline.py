@@ -226,7 +226,5 @@ def _no_plane(points: FloatArray) -> str:
 
 
 def _no_finger_place(box: OrientedBox, gripper: Gripper) -> str:
-    return (
-        f"the outline is {box.size[0]:.3f} m × {box.size[1]:.3f} m, "
-        f"too small for a finger of {gripper.finger_width_m:.3f} m"
-    )
+    widest = max(gripper.jaw_width_m(0), gripper.jaw_width_m(1))
+    return f"the outline is {box.size[0]:.3f} m × {box.size[1]:.3f} m, too small for fingers {widest:.3f} m wide"

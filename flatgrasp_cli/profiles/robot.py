@@ -39,6 +39,8 @@ class JointLimits(Profile):
 
     lower_deg: SixNumbers
     upper_deg: SixNumbers
+    max_speed_deg_s: SixNumbers
+    max_effort_nm: SixNumbers
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
@@ -48,8 +50,10 @@ class JointLimits(Profile):
 
 
 class LinkRadii(Profile):
-    """Radii of those links that a table could stop: elbow and beyond stay so far above it."""
+    """Capsule radii of the links; elbow, forearm and wrist stay at least that far above a table."""
 
+    shoulder_m: PositiveLength
+    upper_arm_m: PositiveLength
     elbow_m: PositiveLength
     forearm_m: PositiveLength
     wrist_m: PositiveLength
@@ -97,6 +101,8 @@ class Robot(Profile):
     joints: JointLimits
     links: LinkRadii
     reach: ReachSettings
+    reach_m: PositiveLength
+    payload_kg: Annotated[float, Field(gt=0)]
     camera_pose: CameraPose | None = None
 
     @model_validator(mode="after")

@@ -195,6 +195,8 @@ class GravitySettings(Profile):
     """Cost of each metre that the fingertips stay above the support plane."""
     grip_weight: Weight
     """Cost of each metre that the pads' height on the object falls short of `depth.good_grip_m`."""
+    low_grip_weight: Weight
+    """Cost of each metre that it falls short of `depth.min_grip_m`: a blade is gripped for want of a handle."""
     margin_weight: Weight
     """Cost of no space beside the pads, in `hand.preshape_m`; of some by the square of what is missing."""
     hole_cost_m: Length

@@ -68,7 +68,7 @@ def prove(loops: Sequence[FloatArray], hands: Hands, gripper: Gripper, settings:
     if eroded is None:
         return Proof(loops, gripper, outward, found, nothing)
     proof = _pick(_openings(caging_of(eroded, settings), points, aside), best)
-    return Proof(loops, gripper, outward, found, np.where(proof.caged, proof.escape, np.nan))
+    return Proof(loops, gripper, outward, found, np.where(found.caged & proof.caged, proof.escape, np.nan))
 
 
 def caging_of(boundary: Boundary, settings: CagingSettings) -> Caging:
@@ -133,7 +133,7 @@ def _cage(proof: Proof, hands: Hands, k: int, forgiven: Tolerance | None, *, gua
         if not outward and found.bottom[k] == 0:
             return _uncaged("closing, the fingers slip off")
         side = "below" if outward else "above"
-        return _uncaged(f"escapes at {escape:.4f} m, not {side} the grasp's width {width:.4f} m")
+        return _uncaged(f"escapes at {escape:.4f} m, not {side} the fingers' {found.opening[k]:.4f} m")
     ends = {
         "opening": escape,
         "basin_opening": merge,
