@@ -8,12 +8,12 @@ The outlines are lobed and as rough as a sensor's; machines are noisy, so median
 from __future__ import annotations
 
 import argparse
-import time
 from collections.abc import Callable
 from functools import partial
 from statistics import median
 
 import numpy as np
+from clocks import milliseconds
 
 from flatgrasp_cli import load_gripper
 from flatgrasp_cli.geometry.arrays import FloatArray
@@ -39,15 +39,10 @@ def certify(loops: list[FloatArray], hands: Hands, gripper: Gripper, settings: C
     return prove(loops, hands, gripper, settings).cages(hands)
 
 
-def milliseconds(function: Callable[[], object], repeat: int) -> float:
+def median_ms(function: Callable[[], object], repeat: int) -> float:
     """Median wall time of a call, after one to warm up."""
     function()
-    times = []
-    for _ in range(repeat):
-        began = time.perf_counter()
-        function()
-        times.append(1e3 * (time.perf_counter() - began))
-    return median(times)
+    return median(milliseconds(function) for _ in range(repeat))
 
 
 def main() -> None:
@@ -67,10 +62,10 @@ def main() -> None:
         width = np.linalg.norm(apart, axis=1)
         hands = Hands(contacts.mean(axis=1), apart / width[:, None], width, width + PRESHAPE_M)
         figures = [
-            milliseconds(partial(certify, loops, hands, gripper, settings), args.repeat)
+            median_ms(partial(certify, loops, hands, gripper, settings), args.repeat)
             for settings in (SETTINGS, outward)
         ]
-        figures.append(milliseconds(partial(immobilising_grasps, loops, SETTINGS), args.repeat))
+        figures.append(median_ms(partial(immobilising_grasps, loops, SETTINGS), args.repeat))
         print(f"{corners:8} {figures[0]:8.1f} {figures[1]:8.1f} {figures[2]:10.1f}")
 
 

@@ -10,7 +10,6 @@ figures do.
 from __future__ import annotations
 
 import argparse
-import time
 from collections.abc import Callable
 from functools import partial
 from statistics import median
@@ -18,6 +17,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+from clocks import milliseconds
 
 from flatgrasp_cli.sources.messages.pointcloud2 import decode_pointcloud2
 
@@ -46,13 +46,6 @@ def kinect_message() -> Any:
         data=records.reshape(-1),
         is_dense=False,
     )
-
-
-def milliseconds(function: Callable[[], object]) -> float:
-    """Wall time of one call."""
-    began = time.perf_counter()
-    function()
-    return 1e3 * (time.perf_counter() - began)
 
 
 def main() -> None:

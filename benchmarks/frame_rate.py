@@ -24,6 +24,7 @@ from statistics import median
 from typing import Any
 
 import numpy as np
+from clocks import StageClock, milliseconds
 
 from flatgrasp_cli import Plan, load_gripper, load_settings, plan, read_clouds
 from flatgrasp_cli.open3d_door import load_open3d
@@ -123,34 +124,7 @@ def render(folder: Path, count: int, points: int = PIXELS) -> Path:
     return path
 
 
-# --- the clocks -------------------------------------------------------------------------------------------------------
-
-
-class StageClock:
-    """Times the calls of scene and planner by wrapping them; they carry no clocks themselves."""
-
-    def __init__(self) -> None:
-        self.ms: dict[str, float] = defaultdict(float)
-        for stage, calls in STAGES.items():
-            for module, name in calls:
-                setattr(module, name, self._timed(getattr(module, name), stage))
-
-    def _timed(self, function: Callable[..., Any], stage: str) -> Callable[..., Any]:
-        def timed(*args: Any, **kwargs: Any) -> Any:
-            began = time.perf_counter()
-            try:
-                return function(*args, **kwargs)
-            finally:
-                self.ms[stage] += 1e3 * (time.perf_counter() - began)
-
-        return timed
-
-
-def milliseconds(function: Callable[[], object]) -> float:
-    """Wall time of one call."""
-    began = time.perf_counter()
-    function()
-    return 1e3 * (time.perf_counter() - began)
+# --- the times --------------------------------------------------------------------------------------------------------
 
 
 def frame(path: Path, hand: Gripper, settings: PlannerSettings, clock: StageClock) -> Plan:
@@ -271,7 +245,7 @@ def main() -> None:
     args = parser.parse_args()
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
-    hand, clock = load_gripper(args.gripper), StageClock()
+    hand, clock = load_gripper(args.gripper), StageClock(STAGES)
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
         scenes = [render(folder, count) for count in COUNTS]

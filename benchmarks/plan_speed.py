@@ -10,15 +10,14 @@ from __future__ import annotations
 
 import argparse
 import tempfile
-import time
 from collections import defaultdict
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from statistics import median
 from typing import Any
 
 import numpy as np
+from clocks import StageClock, milliseconds
 
 from flatgrasp_cli import load_gripper, load_settings, plan, read_clouds
 from flatgrasp_cli.model import Cloud, Source
@@ -26,56 +25,20 @@ from flatgrasp_cli.open3d_door import load_open3d
 from flatgrasp_cli.planner import pipeline
 
 ROOT = Path(__file__).resolve().parent.parent
-STAGES = {
-    "oriented_box": "A.1",
-    "silhouette": "A.2",
-    "step_points": "A.3",
-    "finger_candidates": "A.3",
-    "inward_directions": "A.3",
-    "force_balance": "B.1",
-    "force_balanced": "B.1",
-    "torque_balanced": "B.2",
-    "closing_axes": "B.3",
-    "on_pads": "B.3",
-    "in_range": "B.3",
-    "flat": "B.4",
-    "seen_sides": "3-D",
-    "of_known_thickness": "3-D",
-    "operable": "B.5",
-    "clear_of_palm": "B.5",
-    "sliced": "3-D",
-    "land": "3-D",
-    "ranking_cost": "C",
-    "best_first": "C",
+SECTIONS = {
+    "A.1": ("oriented_box",),
+    "A.2": ("silhouette",),
+    "A.3": ("step_points", "finger_candidates", "inward_directions"),
+    "B.1": ("force_balance", "force_balanced"),
+    "B.2": ("torque_balanced",),
+    "B.3": ("closing_axes", "on_pads", "in_range"),
+    "B.4": ("flat",),
+    "3-D": ("seen_sides", "of_known_thickness", "sliced", "land"),
+    "B.5": ("operable", "clear_of_palm"),
+    "C": ("ranking_cost", "best_first"),
 }
-SECTIONS = tuple(dict.fromkeys(STAGES.values()))
+"""The calls of each section of the method."""
 FRAME_POINTS, OBJECT_POINTS = 300_000, 10_000
-
-
-class StageClock:
-    """Times the pipeline's calls by wrapping them; the planner itself carries no clocks."""
-
-    def __init__(self) -> None:
-        self.ms: dict[str, float] = defaultdict(float)
-        for name, section in STAGES.items():
-            setattr(pipeline, name, self._timed(getattr(pipeline, name), section))
-
-    def _timed(self, function: Callable[..., Any], section: str) -> Callable[..., Any]:
-        def timed(*args: Any, **kwargs: Any) -> Any:
-            began = time.perf_counter()
-            try:
-                return function(*args, **kwargs)
-            finally:
-                self.ms[section] += 1e3 * (time.perf_counter() - began)
-
-        return timed
-
-
-def milliseconds(function: Callable[[], object]) -> float:
-    """Wall time of one call."""
-    began = time.perf_counter()
-    function()
-    return 1e3 * (time.perf_counter() - began)
 
 
 def time_file(path: Path, gripper: str, repeat: int, clock: StageClock) -> None:
@@ -136,7 +99,7 @@ def main() -> None:
     shared = ROOT.parent / "shared" / "data" / "clouds"
     files = args.files or [*sorted((ROOT / "sample_data").glob("*.pcd")), *sorted(shared.glob("*.pcd"))]
     time_against_frame(args.gripper, args.repeat)
-    clock = StageClock()
+    clock = StageClock({section: [(pipeline, name) for name in names] for section, names in SECTIONS.items()})
     heads = " ".join(f"{section:>6}" for section in SECTIONS)
     print(f"{'milliseconds (median)':38} {'points':>7} {'Open3D':>7} {'plan':>7} {'ratio':>6}  {heads}")
     for path in files:
