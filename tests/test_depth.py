@@ -301,6 +301,31 @@ class TestOpening:
         assert f"gripper opens {pr2.max_opening_m:.3f} m" in str(result.reason)
 
 
+class TestWhatHangsInTheAir:
+    """Something small 0.1 m over the table, as a stereo camera sees it beside an edge."""
+
+    GHOST = Box((0.05, 0.0, 0.11), (0.02, 0.012, 0.02))
+
+    def ends(self, gripper: Gripper, *solids: Solid, camera: Camera = KINECT) -> dict[int, str | None]:
+        """The stages at which the method ended, by object; None for those with a grasp."""
+        objects = planned(camera.sees(TABLE, *solids), gripper).objects
+        return {item.object.id: item.rejection.stage if item.rejection else None for item in objects}
+
+    def test_with_free_space_below_it_is_not_grasped(self, pr2: Gripper) -> None:
+        assert self.ends(pr2, Box((-0.1, 0.0, 0.02), (0.10, 0.04, 0.04)), self.GHOST) == {0: None, 1: "support"}
+        result = planned(KINECT.sees(TABLE, self.GHOST), pr2)
+        assert result.reason == "it hangs 100 mm up in the air: only free space was seen below it"
+
+    def test_on_a_post_it_is(self, pr2: Gripper) -> None:
+        assert self.ends(pr2, self.GHOST, Tube((0.05, 0.0, 0.05), 0.004, 0.1)) == {0: None}
+
+    def test_where_nothing_was_seen_below_it_is(self, pr2: Gripper) -> None:
+        assert self.ends(pr2, self.GHOST, camera=Camera(target=(0.05, 0.0, 0.0))) == {0: None}
+
+    def test_what_is_larger_may_be_held_by_what_was_not_seen(self, pr2: Gripper) -> None:
+        assert self.ends(pr2, Box((0.05, 0.0, 0.11), (0.06, 0.012, 0.02))) == {0: None}
+
+
 @settings(max_examples=8)
 @given(st.integers(0, 2**31 - 1), st.sampled_from(["pr2", "lacquey", "wsg_50"]), st.sampled_from([0, 35]))
 def test_nothing_seen_is_inside_fingers_or_palm_on_their_way(seed: int, name: str, tilt: int) -> None:

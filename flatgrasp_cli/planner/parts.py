@@ -13,6 +13,7 @@ from flatgrasp_cli.geometry.range_image import RangeImage
 from flatgrasp_cli.model import ObjectCloud, OrientedBox, SupportPlane
 from flatgrasp_cli.planner.depth import PALM_CELL_M, Terrain
 from flatgrasp_cli.planner.main_plane import oriented_box
+from flatgrasp_cli.planner.shadow import BEHIND_M
 from flatgrasp_cli.planner.silhouette import spacing
 from flatgrasp_cli.planner.slices import lowest_tip, slices, top_of
 from flatgrasp_cli.planner.view import View
@@ -26,6 +27,10 @@ FLOOR_M = 0.3
 """The support plane farther than this from a standing object's middle cannot meet the hand."""
 MIN_CELL_M = 0.002
 """Cells of height maps: the points' spacing, but no smaller than what matters to a finger."""
+HANGING_M, MOST_HANGING_M = 0.02, 0.04
+"""What begins higher than this and is nowhere larger than that does not stand on what was not seen of it."""
+BELOW, FREE_SHARE, BELOW_SAMPLES = (0.25, 0.5), 0.75, 200
+"""Where it is looked for free space below an object, in shares of its height, and how much of it makes it hang."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,6 +73,24 @@ def sliced(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, settings
         terrain = Terrain(piece.level_m, lowest, ground, surface, average, rest, fine, whole, view)
         parts.append(Part(box, frame, cloud.points[piece.rows], terrain))
     return parts
+
+
+def hanging_m(whole: Part) -> float:
+    """How high in the air a small object hangs, with nothing but free space seen below it; 0 if it does not.
+
+    Stereo cameras see such things beside real ones. Larger ones may be held by what was not seen: the rim of a bowl
+    hangs over, and a bottle may be clear below its label.
+    """
+    if whole.terrain is None:
+        return 0.0
+    local = whole.frame.to_local(whole.points)
+    low = float(local[:, 2].min())
+    if low < HANGING_M or float(np.ptp(local, axis=0).max()) > MOST_HANGING_M:
+        return 0.0
+    x, y, _ = np.tile(local[:: max(1, len(local) // BELOW_SAMPLES)], (len(BELOW), 1)).T
+    heights = np.repeat(np.multiply(BELOW, low), len(x) // len(BELOW))
+    hidden = whole.terrain.view.hides(np.stack([x, y, heights]), BEHIND_M)
+    return low if 1 - hidden.mean() >= FREE_SHARE else 0.0
 
 
 def _view(cloud: ObjectCloud, frame: Frame, cell_m: float) -> View:

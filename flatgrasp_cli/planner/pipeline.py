@@ -32,7 +32,7 @@ from flatgrasp_cli.planner.funnel import Funnel, NothingLeft
 from flatgrasp_cli.planner.gravity import RankingCost, best_first, landing_cost, ranking_cost
 from flatgrasp_cli.planner.hand import Fit, centers, clear_of_palm, closing_axes, flat, in_range, on_pads, operable
 from flatgrasp_cli.planner.main_plane import oriented_box
-from flatgrasp_cli.planner.parts import Part, sliced, standing
+from flatgrasp_cli.planner.parts import Part, hanging_m, sliced, standing
 from flatgrasp_cli.planner.shadow import of_known_thickness, seen_sides
 from flatgrasp_cli.planner.silhouette import silhouette, without_strays
 from flatgrasp_cli.profiles.gripper import Gripper
@@ -50,11 +50,13 @@ def plan_object(cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings,
         cloud = replace(cloud, points=without_strays(cloud.points, settings.silhouette))
     box = oriented_box(cloud.points, cloud.viewpoint, settings.main_plane.method, cloud.support)
     if box is None:
-        end = Rejection("main_plane", _no_plane(cloud.points))
-        return ObjectPlan(cloud, (Stage("main_plane", 0),), (), end, Trace())
+        return _nothing(cloud, "main_plane", _no_plane(cloud.points))
     parts = (
         [Part(box, box.frame, cloud.points)] if cloud.support is None else sliced(cloud, box, cloud.support, settings)
     )
+    if hanging := hanging_m(parts[0]):
+        reason = f"it hangs {1e3 * hanging:.0f} mm up in the air: only free space was seen below it"
+        return _nothing(cloud, "support", reason)
     cages_decide = settings.caging.require or settings.caging.prefer == "cage"
 
     def planned(part: Part) -> ObjectPlan:
@@ -70,6 +72,11 @@ def plan_object(cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings,
     side = standing(cloud, box, settings) if cloud.support is not None and not best.grasps else None
     best = best if side is None else min(best, planned(side), key=best_first)
     return best if cages_decide else certified(best, gripper, settings, top)
+
+
+def _nothing(cloud: ObjectCloud, stage: str, reason: str) -> ObjectPlan:
+    """The plan of what cannot be planned at all."""
+    return ObjectPlan(cloud, (Stage(stage, 0),), (), Rejection(stage, reason), Trace())
 
 
 def _cheapest(parts: list[Part], planned: Callable[[Part], ObjectPlan], settings: PlannerSettings) -> ObjectPlan:

@@ -38,7 +38,8 @@ def final_figure(plan: Plan) -> Figure:
     name = f"{replace(source, path=Path(source.path).name)} · {plan.gripper.name}"
     if support is not None:
         scene = figure.add_subplot(121)
-        scene.set_title(f"{name} · {_count(plan)} on a support plane", loc="left", fontsize=11)
+        figure.suptitle(name, fontsize=11, x=0.02, ha="left")
+        scene.set_title(f"{_count(plan)} on a support plane", loc="left", fontsize=11)
         draw_scene(scene, plan, support)
     if plan.objects:
         item = plan.objects[0]

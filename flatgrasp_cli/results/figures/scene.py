@@ -45,7 +45,8 @@ def _draw_object(axes: Axes, plan: Plan, item: ObjectPlan, frame: Frame, color: 
         axes.plot(closed[:, 0], closed[:, 1], color=BLACK, lw=0.8, zorder=3)
     if item.grasps:
         draw_fingers(axes, item.grasps[0], frame, plan.gripper, RED if best else GREY)
-    corner = MM * frame.to_local(item.object.points)[:, :2].max(axis=0)
+    seen = MM * frame.to_local(item.object.points)[:, :2]
+    corner = seen[np.argmax(seen.sum(axis=1))]  # on the object: its box's may lie amid others
     axes.annotate(
         f"{item.object.id}" + ("" if item.grasps else " no grasp"),
         tuple(corner),
