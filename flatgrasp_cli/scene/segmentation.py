@@ -17,7 +17,7 @@ OVERHEAD_M = 1.0
 """Where no sensor is known, shadows are those of one straight above."""
 LARGEST_EXTENT_M = 20.0
 """No view of objects for a gripper is wider than this: a lidar's is, and one that is in millimetres."""
-SAMPLE, STRAYS_PCT = 2000, 2.0
+SAMPLE, STRAY_SHARE = 2000, 0.02
 SIGMAS, LEAST_BELOW_M, MOST_BELOW_M = 3.0, 0.010, 0.1
 BELOW_SHARE = 0.03
 """Of the points on a plane: real tables have less than 1 % close below them, their edges."""
@@ -53,7 +53,8 @@ def _too_large(points: FloatArray) -> str | None:
     if len(points) == 0:
         return None
     sample = points[:: max(1, len(points) // SAMPLE)]
-    low, high = np.percentile(sample, [STRAYS_PCT, 100 - STRAYS_PCT], axis=0)
+    strays = int(STRAY_SHARE * len(sample))
+    low, high = np.sort(sample, axis=0)[[strays, -1 - strays]]
     x, y, z = (high - low).tolist()
     if max(x, y, z) <= LARGEST_EXTENT_M:
         return None
