@@ -9,11 +9,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion
-from flatgrasp_cli.model import Cloud, Grasp, ObjectPlan, Reach, Rejection, Scene, Stage
+from flatgrasp_cli.model import Cloud, CloudWarning, Grasp, ObjectPlan, Reach, Rejection, Scene, Stage
 from flatgrasp_cli.planner import plan_object
 from flatgrasp_cli.profiles import CameraPose, Gripper, PlannerSettings, Robot, load_settings
 from flatgrasp_cli.robot import Motion, Plane, reach
 from flatgrasp_cli.scene import segment
+from flatgrasp_cli.sensor import located
 
 REACH_CANDIDATES = 500
 """The best grasps of an object that a robot is asked about."""
@@ -21,7 +22,10 @@ REACH_CANDIDATES = 500
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Plan:
-    """The answer for one cloud, with the profiles and the settings that it was found with."""
+    """The answer for one cloud, with the profiles and the settings that it was found with.
+
+    `cloud` is the one that was planned on: its `sensor` is where the sensor was taken to be, and why.
+    """
 
     cloud: Cloud
     gripper: Gripper
@@ -36,6 +40,11 @@ class Plan:
     def best(self) -> Grasp | None:
         """The best grasp of the first object that has one."""
         return next((obj.grasps[0] for obj in self.objects if obj.grasps), None)
+
+    @property
+    def warnings(self) -> tuple[CloudWarning, ...]:
+        """What had to be assumed and can change the answer."""
+        return tuple(dict.fromkeys((*self.cloud.warnings, *self.scene.warnings)))
 
     @property
     def reason(self) -> str | None:
@@ -61,7 +70,7 @@ def plan(
     Parameters
     ----------
     cloud
-        From `read_clouds`, or made of points (n, 3) in metres and a viewpoint (3,).
+        From `read_clouds`, or made of an array of points in metres: `Cloud(points)`.
     gripper
         From `load_gripper`.
     settings
@@ -74,6 +83,7 @@ def plan(
     """
     resolved = (settings or load_settings()).resolve(gripper)
     began = time.perf_counter()
+    cloud = located(cloud, resolved.scene.up, resolved.seed)
     scene = segment(cloud, resolved.scene, resolved.seed)
     segmented = time.perf_counter()
     plans = [plan_object(item, gripper, resolved, REACH_CANDIDATES if robot else top) for item in scene.objects]
@@ -87,9 +97,9 @@ def plan(
 def in_base_frame(cloud: Cloud, camera: CameraPose, frame_id: str) -> Cloud:
     """The cloud in the frame `frame_id` in which its own frame has the pose `camera`."""
     frame = Frame(np.array(camera.position_m), axes_from_quaternion(np.array(camera.orientation_xyzw)))
-    return replace(
-        cloud, points=frame.to_world(cloud.points), viewpoint=frame.to_world(cloud.viewpoint), frame_id=frame_id
-    )
+    if cloud.sensor is None and cloud.viewpoint is None:
+        cloud = replace(cloud, viewpoint=np.zeros(3))  # the frame with that pose is the camera's
+    return cloud.in_frame(frame, frame_id)
 
 
 def _best_first(item: ObjectPlan) -> tuple[float, int]:

@@ -13,12 +13,13 @@ from scipy.spatial.transform import Rotation
 
 from flatgrasp_cli import load_gripper, load_settings, plan, read_clouds
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.model import Cloud, ObjectCloud, Scene, Source, SupportPlane
+from flatgrasp_cli.model import Cloud, ObjectCloud, Scene, Sensor, Source, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene import segment
 from flatgrasp_cli.scene.clusters import plane_frame
 from flatgrasp_cli.scene.raster import Grid, Raster, fitting_cell_m, smoothed
 from flatgrasp_cli.scene.support_plane import find_support_plane, looks_down
+from flatgrasp_cli.sensor import located
 from tests.conftest import FLOOR, MM, SAMPLES, TABLE, WALL, Box, Camera, Tube
 
 ABOVE, OBLIQUE = Camera(), Camera(tilt_deg=40)
@@ -35,11 +36,16 @@ def asked(*overrides: str) -> SceneSettings:
 
 
 def scene_of(cloud: Cloud, *overrides: str, seed: int = 0) -> Scene:
-    return segment(cloud, asked(*overrides), seed)
+    settings = asked(*overrides)
+    return segment(located(cloud, settings.up, seed), settings, seed)
+
+
+def sensor_at(viewpoint: FloatArray | None) -> Sensor:
+    return Sensor("option", viewpoint)
 
 
 def plane_of(cloud: Cloud, *overrides: str, seed: int = 0) -> SupportPlane:
-    plane = find_support_plane(cloud.points, cloud.viewpoint, asked(*overrides), seed)
+    plane = find_support_plane(cloud.points, sensor_at(cloud.viewpoint), asked(*overrides), seed)
     assert plane is not None
     return plane
 
@@ -111,7 +117,7 @@ class TestSupportPlane:
 
     def test_up_that_nothing_is_normal_to_finds_nothing(self) -> None:
         cloud = ABOVE.sees(TABLE)
-        assert find_support_plane(cloud.points, cloud.viewpoint, asked("up=[1,0,0]"), 0) is None
+        assert find_support_plane(cloud.points, sensor_at(cloud.viewpoint), asked("up=[1,0,0]"), 0) is None
 
     def test_the_table_is_preferred_to_the_floor_below_it(self) -> None:
         cloud = Camera(tilt_deg=30, distance=1.3, focal=260.0).sees(TABLE, FLOOR)
@@ -130,16 +136,16 @@ class TestSupportPlane:
         cloud = ABOVE.sees(TABLE, BLOCK)
         for viewpoint in (np.zeros(3), np.array([0.0, 0.0, 0.01])):
             plane = plane_of(replace(cloud, viewpoint=viewpoint))
-            assert not looks_down(viewpoint, plane.normal, plane.offset_m)
+            assert not looks_down(sensor_at(viewpoint), plane.normal, plane.offset_m)
             assert_is_table(plane)
 
     def test_points_in_a_line_have_none(self) -> None:
         line = np.linspace(0, 1, 1000)[:, None] * np.array([1.0, 2.0, 0.5])
-        assert find_support_plane(line, np.array([0.0, 0.0, 1.0]), asked(), 0) is None
+        assert find_support_plane(line, sensor_at(np.array([0.0, 0.0, 1.0])), asked(), 0) is None
 
     def test_a_scattered_cloud_has_none(self) -> None:
         ball = np.random.default_rng(0).normal(0, 0.2, (5000, 3))
-        assert find_support_plane(ball, np.array([0.0, 0.0, 1.0]), asked(), 0) is None
+        assert find_support_plane(ball, sensor_at(np.array([0.0, 0.0, 1.0])), asked(), 0) is None
 
 
 class TestObjects:
@@ -307,7 +313,7 @@ class TestWanted:
         assert floor_of(the_object(scene))[:, 0].max() <= 1 * MM  # the middle of a cell
 
     def test_crop_keeps_its_own_borders(self) -> None:
-        points = np.array([[0.0, 0, 0], [1.0, 1, 1], [1.0, 1, 1.01], [-0.01, 0, 0]])
+        points = np.array([[0.0, 0, 0.5], [1.0, 1, 1], [1.0, 1, 1.01], [-0.01, 0, 0.5]])
         scene = scene_of(replace(ABOVE.sees(BLOCK), points=points), "crop=[0,1,0,1,0,1]", "mode=object")
         assert the_object(scene).points.tolist() == points[:2].tolist()
 

@@ -29,11 +29,11 @@ def _flattened(centred: FloatArray, normal: FloatArray) -> FloatArray:
 
 def oriented_box(
     points: FloatArray,
-    viewpoint: FloatArray,
+    toward: FloatArray,
     method: Literal["pca", "min_area"],
     support: SupportPlane | None = None,
 ) -> OrientedBox | None:
-    """Oriented bounding box of `points` (n, 3), its z axis toward `viewpoint` (3,); None if they span no plane.
+    """Oriented bounding box of `points` (n, 3), its z axis to the side of `toward` (3,); None if they span no plane.
 
     The minor axis is the covariance's smallest eigenvector. The axes of the main plane are the two others (`pca`: what
     PCL's MomentOfInertiaEstimation does, which the paper describes), or those of the smallest rectangle around the
@@ -52,7 +52,7 @@ def oriented_box(
     normal, major = vectors[:, 0], vectors[:, 2]
     if support is not None:
         normal = support.normal
-    elif normal @ (viewpoint - mean) < 0:
+    elif normal @ toward < 0:
         normal = -normal
     if method == "min_area":
         middle = np.cross(normal, major)

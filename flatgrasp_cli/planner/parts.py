@@ -81,7 +81,7 @@ def hanging_m(whole: Part) -> float:
     Stereo cameras see such things beside real ones. Larger ones may be held by what was not seen: the rim of a bowl
     hangs over, and a bottle may be clear below its label.
     """
-    if whole.terrain is None:
+    if whole.terrain is None or whole.terrain.view.image is None:
         return 0.0
     local = whole.frame.to_local(whole.points)
     low = float(local[:, 2].min())
@@ -94,6 +94,8 @@ def hanging_m(whole: Part) -> float:
 
 
 def _view(cloud: ObjectCloud, frame: Frame, cell_m: float) -> View:
+    if cloud.viewpoint is None:
+        return View(None, frame, cloud.floor)
     points = frame.to_local(np.concatenate([cloud.points, cloud.obstacles]))
     image = RangeImage.of(points, frame.to_local(cloud.viewpoint), PIXEL_CELLS * cell_m)
     return View(image, frame, cloud.floor)
@@ -107,7 +109,7 @@ def standing(cloud: ObjectCloud, box: OrientedBox, settings: PlannerSettings) ->
     """
     if box.size[2] < settings.depth.standing_ratio * box.size[:2].max():
         return None
-    own = oriented_box(cloud.points, cloud.viewpoint, settings.main_plane.method)
+    own = oriented_box(cloud.points, cloud.toward, settings.main_plane.method)
     if own is None:
         return None
     frame = replace(own.frame, origin=own.frame.origin - 0.5 * own.size[2] * own.frame.axes[2])

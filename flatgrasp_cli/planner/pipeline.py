@@ -48,7 +48,7 @@ def plan_object(cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings,
     """
     if cloud.support is None:
         cloud = replace(cloud, points=without_strays(cloud.points, settings.silhouette))
-    box = oriented_box(cloud.points, cloud.viewpoint, settings.main_plane.method, cloud.support)
+    box = oriented_box(cloud.points, cloud.toward, settings.main_plane.method, cloud.support)
     if box is None:
         return _nothing(cloud, "main_plane", _no_plane(cloud.points))
     parts = (

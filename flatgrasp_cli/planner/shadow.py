@@ -42,12 +42,14 @@ def seen_sides(fingers: FingerCandidates, terrain: Terrain) -> FingerCandidates:
     """The candidates but those in holes that were not seen through, with what was seen of the sides they stand at.
 
     In the shadow the end of the object is that of its top, and it may go on behind. Where only a face was seen, and no
-    top, its thickness is not known.
+    top, its thickness is not known. What was seen from all sides ends where it was seen to end.
     """
+    if terrain.view.image is None:
+        return replace(fingers, hidden=np.zeros(len(fingers)), seen=np.ones(len(fingers), dtype=np.bool_))
     share = hidden_share(fingers, terrain)
     open_sides = (share <= HOLE_SHARE) | (fingers.loop == 0)
     fingers, shadowed = fingers.select(open_sides), share[open_sides] > SHADOW_SHARE
-    hidden = hidden_extent(fingers, terrain.surface, shadowed, terrain.view.viewpoint)
+    hidden = hidden_extent(fingers, terrain.surface, shadowed, terrain.view.image.viewpoint)
     seen = ~shadowed
     rows = np.flatnonzero(shadowed)
     seen[rows] = ~_front_only(fingers.select(rows), terrain)

@@ -16,34 +16,31 @@ from flatgrasp_cli.model import Floor
 class View:
     """How far the sensor's rays got: `image` holds those that met something above the support plane, in `frame`.
 
-    All others met the plane where it was seen, on `floor`, or nothing.
+    All others met the plane where it was seen, on `floor`, or nothing. Without an image all was seen, from all sides.
     """
 
-    image: RangeImage
+    image: RangeImage | None
     frame: Frame
     floor: Floor | None
 
-    @property
-    def viewpoint(self) -> FloatArray:
-        """Where the sensor was (3,), in `frame`."""
-        return self.image.viewpoint
-
     def hides(self, columns: FloatArray, margin_m: float) -> BoolArray:
         """Which points, columns (3, n), lie more than `margin_m` behind what was seen on their ray, or nothing was."""
+        if self.image is None:
+            return np.zeros(columns.shape[1], dtype=np.bool_)
         nearest, ranges = self.image.nearest(columns)
         hidden = np.asarray(nearest < ranges - margin_m)
         through = np.flatnonzero(np.isinf(nearest))
-        hidden[through] = ~self._met_floor(columns.take(through, axis=1))
+        hidden[through] = ~self._met_floor(columns.take(through, axis=1), self.image.viewpoint)
         return hidden
 
-    def _met_floor(self, columns: FloatArray) -> BoolArray:
-        """Whether the rays through points, columns (3, n), go on to where the support plane was seen."""
+    def _met_floor(self, columns: FloatArray, viewpoint: FloatArray) -> BoolArray:
+        """Whether the rays from `viewpoint` (3,) through points, columns (3, n), go on to where the plane was seen."""
         if self.floor is None or columns.shape[1] == 0:
             return np.zeros(columns.shape[1], dtype=np.bool_)
         turn = self.floor.frame.axes @ self.frame.axes.T
         origin = self.floor.frame.to_local(self.frame.origin)
         x, y, z = turn @ columns + origin[:, None]
-        sensor_x, sensor_y, sensor_z = turn @ self.viewpoint + origin
+        sensor_x, sensor_y, sensor_z = turn @ viewpoint + origin
         fall = sensor_z - z
         share = sensor_z / np.where(fall > 0, fall, 1.0)
         levels = self.floor.levels.over(sensor_x + share * (x - sensor_x), sensor_y + share * (y - sensor_y))

@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import axes_from_quaternion
-from flatgrasp_cli.model import Grasp, ObjectPlan, OrientedBox, Reach, Silhouette, SupportPlane
+from flatgrasp_cli.model import Grasp, KnownFrom, ObjectPlan, OrientedBox, Reach, Sensor, Silhouette, SupportPlane
 from flatgrasp_cli.planner.gravity import gravity_center
 from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.profiles import Gripper, PlannerSettings, Robot
@@ -37,7 +37,10 @@ class _Part(BaseModel):
 
 
 class SourcePart(_Part):
-    """The frame that was planned on; `points` are the finite ones, `dropped` the NaN and infinite ones."""
+    """The frame that was planned on.
+
+    `dropped` counts the points that were not measured: NaN, infinite, exactly 0 0 0, or farther away than 10 km.
+    """
 
     path: str
     topic: str | None
@@ -46,6 +49,24 @@ class SourcePart(_Part):
     points: int
     dropped: int
     index: int
+
+
+class SensorPart(_Part):
+    """Where the sensor was, in `frame_id`; null where that is not known, or several saw the cloud.
+
+    `known_from` says how it is known; where only that is known, the unit vector `direction` points to it.
+    """
+
+    position: Vector3 | None
+    direction: Vector3 | None
+    known_from: KnownFrom
+
+
+class WarningPart(_Part):
+    """Something that had to be assumed and can change the answer: a stable code, and a sentence with the remedy."""
+
+    code: str
+    text: str
 
 
 class SupportPlanePart(_Part):
@@ -275,6 +296,8 @@ class Document(_Part):
     status: Status
     reason: str | None
     source: SourcePart
+    sensor: SensorPart
+    warnings: list[WarningPart]
     frame_id: str
     gripper: Gripper
     robot: Robot | None
@@ -314,6 +337,8 @@ def to_document(plan: Plan, read_ms: float = 0.0) -> dict[str, Any]:
             dropped=cloud.dropped,
             index=source.index,
         ),
+        sensor=_sensor(cloud.sensor or Sensor("assumed")),
+        warnings=[WarningPart(code=warning.code, text=warning.text) for warning in plan.warnings],
         frame_id=cloud.frame_id,
         gripper=plan.gripper,
         robot=plan.robot,
@@ -334,6 +359,14 @@ def to_json(document: dict[str, Any], *, indent: int | None = None) -> str:
     """The document as text; raises `ValueError` rather than write NaN."""
     separators = (",", ":") if indent is None else None
     return json.dumps(document, indent=indent, separators=separators, allow_nan=False, ensure_ascii=False)
+
+
+def _sensor(sensor: Sensor) -> SensorPart:
+    return SensorPart(
+        position=None if sensor.position is None else _numbers(sensor.position),
+        direction=None if sensor.direction is None else _numbers(sensor.direction),
+        known_from=sensor.known_from,
+    )
 
 
 def _plane(plane: SupportPlane) -> SupportPlanePart:

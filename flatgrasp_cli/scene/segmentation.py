@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.model import Cloud, ObjectCloud, Scene, SupportPlane
+from flatgrasp_cli.model import Cloud, ObjectCloud, Scene, Sensor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.clusters import Clusters, find_clusters
 from flatgrasp_cli.scene.selection import cropped, selected
@@ -17,6 +17,9 @@ OVERHEAD_M = 1.0
 """Where no sensor is known, shadows are those of one straight above."""
 LARGEST_EXTENT_M = 20.0
 """No view of objects for a gripper is wider than this: a lidar's is, and one that is in millimetres."""
+UPRIGHT_SHARE = 0.2
+"""How much the way to the sensor counts beside the way up: it decides where the main plane stands within 11° (the
+arcus tangent) of upright, and has no upper side."""
 SAMPLE, STRAY_SHARE = 2000, 0.02
 SIGMAS, LEAST_BELOW_M, MOST_BELOW_M = 3.0, 0.010, 0.1
 BELOW_SHARE = 0.03
@@ -30,22 +33,23 @@ def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
     below, or if it is too long for an object; else the whole cloud is one object.
     """
     cloud = cropped(cloud, settings.crop)
+    sensor = cloud.sensor or Sensor("assumed", np.zeros(3))
     reason = _too_large(cloud.points)
     if reason is not None:
         return Scene(None, (), cloud.points, reason)
-    alone = Scene(None, (ObjectCloud(0, cloud.points, cloud.viewpoint),), np.empty((0, 3)))
+    alone = Scene(None, (_alone(cloud.points, sensor, settings.up),), np.empty((0, 3)))
     if settings.mode == "object" or len(cloud.points) < 3:
         return alone
-    plane = find_support_plane(cloud.points, cloud.viewpoint, settings, seed)
+    plane = find_support_plane(cloud.points, sensor, settings, seed)
     clusters = find_clusters(cloud.points, plane, settings) if plane is not None else None
     if plane is None or clusters is None:
         return alone if settings.mode == "auto" else Scene(None, (), cloud.points, "no support plane was found")
     small = clusters.extent_m <= settings.max_size_m
     if settings.mode == "auto" and small and (not clusters.lie_on_table or _goes_on_below(cloud.points, plane)):
         return alone
-    objects = _objects(cloud, plane, clusters)
+    objects = _objects(cloud, sensor, plane, clusters)
     reason = None if objects else "nothing stands on the support plane"
-    return Scene(plane, selected(objects, settings.select), cloud.points[clusters.clutter], reason)
+    return Scene(plane, selected(objects, settings.select, sensor), cloud.points[clusters.clutter], reason)
 
 
 def _too_large(points: FloatArray) -> str | None:
@@ -72,13 +76,24 @@ def _goes_on_below(points: FloatArray, plane: SupportPlane) -> bool:
     return bool(below.sum() > BELOW_SHARE * on.sum())
 
 
-def _objects(cloud: Cloud, plane: SupportPlane, clusters: Clusters) -> tuple[ObjectCloud, ...]:
+def _alone(points: FloatArray, sensor: Sensor, up: tuple[float, float, float] | None) -> ObjectCloud:
+    """All points as one object, which the hand comes to from above if `up` (3,) tells that, else from the sensor."""
+    if len(points) == 0:
+        return ObjectCloud(0, points, np.zeros(3), sensor.position)
+    toward = sensor.toward(points.mean(axis=0))
+    if up is not None:
+        length = max(float(np.linalg.norm(toward)), 1e-12)
+        toward = np.asarray(up) / np.linalg.norm(up) + UPRIGHT_SHARE * toward / length
+    return ObjectCloud(0, points, toward, sensor.position)
+
+
+def _objects(cloud: Cloud, sensor: Sensor, plane: SupportPlane, clusters: Clusters) -> tuple[ObjectCloud, ...]:
     """The clusters as objects, each with what else stands near it."""
     rows = (*clusters.members, clusters.clutter)
     ends = np.cumsum([len(own) for own in rows])
     standing = cloud.points[np.concatenate(rows)]
     columns = np.ascontiguousarray(standing.T)
-    seen_from_above = looks_down(cloud.viewpoint, plane.normal, plane.offset_m)
+    seen_from_above = looks_down(sensor, plane.normal, plane.offset_m)
     found = []
     for index in range(len(clusters.members)):
         mine = slice(ends[index] - len(rows[index]), ends[index])
@@ -86,10 +101,17 @@ def _objects(cloud: Cloud, plane: SupportPlane, clusters: Clusters) -> tuple[Obj
         for values in columns:
             near &= (values > values[mine].min() - NEAR_M) & (values < values[mine].max() + NEAR_M)
         near[mine] = False
-        viewpoint = cloud.viewpoint
-        if not seen_from_above:
-            viewpoint = columns[:, mine].mean(axis=1) + OVERHEAD_M * plane.normal
+        middle = columns[:, mine].mean(axis=1)
+        viewpoint = sensor.position if seen_from_above else middle + OVERHEAD_M * plane.normal
         found.append(
-            ObjectCloud(index, standing[mine], viewpoint, plane, standing[np.flatnonzero(near)], clusters.floor)
+            ObjectCloud(
+                id=index,
+                points=standing[mine],
+                toward=plane.normal if viewpoint is None else viewpoint - middle,
+                viewpoint=None if sensor.sees_all_sides else viewpoint,
+                support=plane,
+                obstacles=standing[np.flatnonzero(near)],
+                floor=clusters.floor,
+            )
         )
     return tuple(found)

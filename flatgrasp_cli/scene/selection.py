@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.model import Cloud, ObjectCloud
+from flatgrasp_cli.model import Cloud, ObjectCloud, Sensor
 
 
 def cropped(cloud: Cloud, crop: tuple[float, ...] | None) -> Cloud:
@@ -16,8 +16,13 @@ def cropped(cloud: Cloud, crop: tuple[float, ...] | None) -> Cloud:
     return cloud.select(np.all((cloud.points >= low) & (cloud.points <= high), axis=1))
 
 
-def selected(objects: tuple[ObjectCloud, ...], select: str | tuple[float, float]) -> tuple[ObjectCloud, ...]:
-    """The wanted objects; those that are not stay obstacles to the others."""
+def selected(
+    objects: tuple[ObjectCloud, ...], select: str | tuple[float, float], sensor: Sensor
+) -> tuple[ObjectCloud, ...]:
+    """The wanted objects; those that are not stay obstacles to the others.
+
+    The one nearest to a `sensor` of which only the direction is known is the one that reaches furthest toward it.
+    """
     if select == "all" or not objects:
         return objects
     if select == "largest":
@@ -25,7 +30,9 @@ def selected(objects: tuple[ObjectCloud, ...], select: str | tuple[float, float]
 
     def distance(item: ObjectCloud) -> float:
         if isinstance(select, str):
-            return _nearest(item.points, item.viewpoint)
+            if sensor.position is not None:
+                return _nearest(item.points, sensor.position)
+            return -float((item.points @ (item.toward if sensor.direction is None else sensor.direction)).max())
         return _nearest(item.points[:, :2], np.array(select))
 
     return (min(objects, key=distance),)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.model import SupportPlane
+from flatgrasp_cli.model import Sensor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 
 SAMPLE = 2000
@@ -21,6 +21,8 @@ MAX_PLANES = 4
 """Planes looked for, one after another, while enough of the sample is left for one that counts."""
 TOLERANCE_SHARE, TOLERANCE_RANGE_M = 0.008, (0.004, 0.03)
 """How far from a hypothesis points agree with it: a share of their distance from the sensor."""
+TYPICAL_DISTANCE_M = 1.0
+"""Of a sensor whose place is not known from what it sees."""
 MIN_SENSOR_HEIGHT_M = 0.1
 """A viewpoint closer to the plane is no sensor's: clouds in a table's own frame leave it at the origin."""
 PARALLEL_COS = np.cos(np.radians(10))
@@ -40,17 +42,15 @@ class _Fit(NamedTuple):
     share: float
 
 
-def find_support_plane(
-    points: FloatArray, viewpoint: FloatArray, settings: SceneSettings, seed: int
-) -> SupportPlane | None:
+def find_support_plane(points: FloatArray, sensor: Sensor, settings: SceneSettings, seed: int) -> SupportPlane | None:
     """The plane of `points` (n, 3) that objects could stand on; None when no plane has enough of the points.
 
-    With `settings.up` (3,) the biggest plane that it is normal to, else the biggest one that faces the sensor at
-    `viewpoint` (3,). Of planes on top of each other the nearer to the sensor is taken, unless it is small.
+    With `settings.up` (3,) the biggest plane that it is normal to, else the biggest one that faces the `sensor`. Of
+    planes on top of each other the nearer to the sensor is taken, unless it is small.
     """
     sample = np.ascontiguousarray(points[:: max(1, len(points) // SAMPLE)])
-    planes = [fit for fit in _planes(sample, viewpoint, settings, seed) if fit.share >= settings.min_plane_share]
-    fits = [fit for fit in planes if _faces(fit, sample, viewpoint, settings)]
+    planes = [fit for fit in _planes(sample, sensor, settings, seed) if fit.share >= settings.min_plane_share]
+    fits = [fit for fit in planes if _faces(fit, sample, sensor, settings)]
     if not fits and settings.up is None and float(np.ptp(sample, axis=0).max()) > settings.max_size_m:
         fits = planes  # too large for an object alone: a low camera looks along the floor
     if not fits:
@@ -58,43 +58,47 @@ def find_support_plane(
     biggest = max(fits, key=lambda fit: fit.share)
     stacked = [fit for fit in fits if fit.normal @ biggest.normal > PARALLEL_COS]
     stacked = [fit for fit in stacked if fit.share > SECOND_SHARE * biggest.share]
-    return _refined(points, viewpoint, max(stacked, key=lambda fit: fit.offset))
+    return _refined(points, sensor, max(stacked, key=lambda fit: fit.offset))
 
 
-def looks_down(viewpoint: FloatArray, normal: FloatArray, offset: float) -> bool:
-    """Whether `viewpoint` (3,) can be that of a sensor which looks at the plane from the side of its normal."""
-    return bool(normal @ viewpoint - offset >= MIN_SENSOR_HEIGHT_M)
+def looks_down(sensor: Sensor, normal: FloatArray, offset: float) -> bool:
+    """Whether the `sensor` looks at the plane from the side of its normal, as far as its place is known."""
+    if sensor.position is None:
+        return False
+    return bool(normal @ sensor.position - offset >= MIN_SENSOR_HEIGHT_M)
 
 
-def _faces(fit: _Fit, sample: FloatArray, viewpoint: FloatArray, settings: SceneSettings) -> bool:
+def _faces(fit: _Fit, sample: FloatArray, sensor: Sensor, settings: SceneSettings) -> bool:
     if settings.up is not None:
         up = np.asarray(settings.up)
         return bool(fit.normal @ up > np.cos(np.radians(settings.max_tilt_deg)) * np.linalg.norm(up))
-    if not looks_down(viewpoint, fit.normal, fit.offset):
+    if sensor.position is None and sensor.direction is not None:
+        return bool(fit.normal @ sensor.direction > np.cos(np.radians(settings.max_tilt_deg)))
+    if not looks_down(sensor, fit.normal, fit.offset):
         return True
-    to_sensor = viewpoint - sample.mean(axis=0)
+    to_sensor = sensor.toward(sample.mean(axis=0))
     return bool(fit.normal @ to_sensor > np.cos(np.radians(settings.max_view_deg)) * np.linalg.norm(to_sensor))
 
 
-def _planes(sample: FloatArray, viewpoint: FloatArray, settings: SceneSettings, seed: int) -> Iterator[_Fit]:
+def _planes(sample: FloatArray, sensor: Sensor, settings: SceneSettings, seed: int) -> Iterator[_Fit]:
     """Planes one after another, each from the points that the ones before left over."""
     rng = np.random.default_rng(seed)
     rest, biggest = sample, 0.0
     for _ in range(MAX_PLANES):
         if len(rest) < max(3, len(sample) * max(settings.min_plane_share, SECOND_SHARE * biggest)):
             return
-        plane = _consensus(rest, viewpoint, rng)
+        plane = _consensus(rest, sensor, rng)
         if plane is None:
             return
-        normal, offset = _oriented(*plane, sample, viewpoint, settings)
-        inliers = np.abs(rest @ normal - offset) < _tolerance(rest, viewpoint)
+        normal, offset = _oriented(*plane, sample, sensor, settings)
+        inliers = np.abs(rest @ normal - offset) < _tolerance(rest, sensor)
         share = float(inliers.sum()) / len(sample)
         biggest = max(biggest, share)
         yield _Fit(normal, offset, share)
         rest = rest[~inliers]
 
 
-def _consensus(points: FloatArray, viewpoint: FloatArray, rng: np.random.Generator) -> tuple[FloatArray, float] | None:
+def _consensus(points: FloatArray, sensor: Sensor, rng: np.random.Generator) -> tuple[FloatArray, float] | None:
     """The plane through three random points that most points agree with, fitted to those; None if all are in line."""
     corners = points[rng.integers(len(points), size=(HYPOTHESES, 3))]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -107,22 +111,24 @@ def _consensus(points: FloatArray, viewpoint: FloatArray, rng: np.random.Generat
     # single precision tells millimetres on a scene's scale, and a matrix of it takes half the time
     distance = normals.astype(np.float32) @ points.T.astype(np.float32)
     distance -= offsets.astype(np.float32)[:, None]
-    agree = np.abs(distance, out=distance) < _tolerance(points, viewpoint).astype(np.float32)
+    agree = np.abs(distance, out=distance) < _tolerance(points, sensor).astype(np.float32)
     return _least_squares(points[agree[np.argmax(np.count_nonzero(agree, axis=1))]])
 
 
-def _tolerance(points: FloatArray, viewpoint: FloatArray) -> FloatArray:
-    apart = points - viewpoint
+def _tolerance(points: FloatArray, sensor: Sensor) -> FloatArray:
+    if sensor.position is None:
+        return np.full(len(points), TOLERANCE_SHARE * TYPICAL_DISTANCE_M)
+    apart = points - sensor.position
     distance = np.sqrt(np.einsum("ij,ij->i", apart, apart))
     return np.asarray(np.clip(TOLERANCE_SHARE * distance, *TOLERANCE_RANGE_M))
 
 
-def _refined(points: FloatArray, viewpoint: FloatArray, fit: _Fit) -> SupportPlane:
+def _refined(points: FloatArray, sensor: Sensor, fit: _Fit) -> SupportPlane:
     """Least squares on an even sample's inliers, with a tolerance that follows from their own scatter."""
     points = np.ascontiguousarray(points[:: max(1, len(points) // REFINEMENT_SAMPLE)])
     normal, offset = fit.normal, fit.offset
     residuals = points @ normal - offset
-    tolerance = float(np.median(_tolerance(points, viewpoint)))
+    tolerance = float(np.median(_tolerance(points, sensor)))
     noise = tolerance
     for _ in range(REFINEMENTS):
         inliers = points[np.flatnonzero(np.abs(residuals) < tolerance)]
@@ -144,15 +150,19 @@ def _least_squares(points: FloatArray) -> tuple[FloatArray, float]:
 
 
 def _oriented(
-    normal: FloatArray, offset: float, points: FloatArray, viewpoint: FloatArray, settings: SceneSettings
+    normal: FloatArray, offset: float, points: FloatArray, sensor: Sensor, settings: SceneSettings
 ) -> tuple[FloatArray, float]:
     """The same plane, its normal along `settings.up`, else to the sensor, else to where most other points lie."""
     if settings.up is not None:
         positive = float(normal @ np.asarray(settings.up)) > 0
-    elif looks_down(viewpoint, normal, offset) or looks_down(viewpoint, -normal, -offset):
-        positive = float(normal @ viewpoint) > offset
+    elif sensor.position is None and sensor.direction is not None:
+        positive = float(normal @ sensor.direction) > 0
+    elif looks_down(sensor, normal, offset):
+        positive = True
+    elif looks_down(sensor, -normal, -offset):
+        positive = False
     else:
         heights = points @ normal - offset
-        heights = heights[np.abs(heights) > _tolerance(points, viewpoint)]
+        heights = heights[np.abs(heights) > _tolerance(points, sensor)]
         positive = int(np.count_nonzero(heights > 0)) * 2 >= len(heights)
     return (normal, offset) if positive else (-normal, -offset)

@@ -6,13 +6,17 @@ import logging
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack
+from dataclasses import replace
 from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from flatgrasp_cli.errors import NoFramesError
-from flatgrasp_cli.model import Cloud, Source
+from flatgrasp_cli.model import Cloud, Sensor, Source
+from flatgrasp_cli.sensor.frame_names import has_z_up, is_optical
 from flatgrasp_cli.sources.containers import open_recording
 from flatgrasp_cli.sources.containers.recording import Message, Problems, Recording, Topic, printable
 from flatgrasp_cli.sources.messages import (
@@ -93,7 +97,7 @@ def usable_frames(
     for message in _thinned(messages, selection.every):
         seen += 1
         try:
-            cloud = _cloud(decode(message.value), message, name, yielded).scaled(scale)
+            cloud = _cloud(decode(message.value), message, Source(name, index=yielded), scale)
             placed = placement.place(cloud, message.stamp_ns) if placement else cloud
         except (MessageError, MissingTransform) as error:
             reason = printable(str(error))
@@ -148,10 +152,24 @@ def _images(
             yield message
 
 
-def _cloud(decoded: Decoded, message: Message, name: str, index: int) -> Cloud:
+def _cloud(decoded: Decoded, message: Message, source: Source, scale: float) -> Cloud:
     stamp_ns = message.stamp_ns if decoded.stamp_ns is None else decoded.stamp_ns
-    source = Source(name, message.topic.name, stamp_ns, index)
-    return Cloud(decoded.points, decoded.viewpoint, source, decoded.frame_id, decoded.dropped, decoded.colors)
+    sensor, viewpoint = decoded.sensor, decoded.viewpoint
+    if sensor is None and is_optical(decoded.frame_id):
+        sensor = Sensor("frame", np.zeros(3))
+    if viewpoint is None and not has_z_up(decoded.frame_id):
+        viewpoint = np.zeros(3)  # a sensor publishes what it sees in a frame of its own
+    return Cloud(
+        points=decoded.points if scale == 1.0 else scale * decoded.points,
+        viewpoint=None if viewpoint is None else scale * viewpoint,
+        source=replace(source, topic=message.topic.name, stamp_ns=stamp_ns),
+        frame_id=decoded.frame_id,
+        dropped=decoded.dropped,
+        colors=decoded.colors,
+        sensor=sensor,
+        pixels=decoded.pixels,
+        warnings=decoded.warnings,
+    )
 
 
 def _thinned(messages: Iterator[Message], every: Every) -> Iterator[Message]:

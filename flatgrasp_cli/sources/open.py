@@ -51,11 +51,14 @@ def read_clouds(
 
             yield from recorded_clouds(path, label, scale, selection)
         else:
-            yield read_file(path, label).scaled(scale)
+            yield read_file(path, label, scale)
 
 
-def read_file(path: Path, name: str) -> Cloud:
-    """Read the cloud of a PCD or PLY file, told apart by content; `name` is what errors call it."""
+def read_file(path: Path, name: str, scale: float = 1.0) -> Cloud:
+    """Read the cloud of a PCD or PLY file, told apart by content.
+
+    `name` is what errors call it, `scale` the metres in a unit of the file.
+    """
     from flatgrasp_cli.sources.pcd_ply import read_pcd, read_ply
 
     if path.is_dir():
@@ -66,9 +69,9 @@ def read_file(path: Path, name: str) -> Cloud:
         if not head:
             raise SourceError(f"{name}: the file is empty")
         if head.startswith((b"ply\n", b"ply\r")):
-            return read_ply(file, name)
+            return read_ply(file, name, scale)
         if head.lstrip().startswith((b"#", b"VERSION", b"FIELDS")) and b"FIELDS" in head:
-            return read_pcd(file, name)
+            return read_pcd(file, name, scale)
     raise SourceError(
         f"{name}: is neither a PCD or PLY file, nor a ROS bag, nor an MCAP recording (it begins with {head[:16]!r})"
     )

@@ -13,6 +13,7 @@ from typing import BinaryIO
 import numpy as np
 
 from flatgrasp_cli.errors import SourceError
+from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion
 from flatgrasp_cli.sources.ascii_rows import check_rows
 
 MAX_LINES = 200
@@ -40,6 +41,16 @@ class PcdHeader:
     def stride(self) -> int:
         """Bytes a point in binary data."""
         return sum(int(kind[1:]) * count for kind, count in zip(self.types, self.counts, strict=True))
+
+    @property
+    def viewpoint_pose(self) -> Frame | None:
+        """VIEWPOINT, x y z and a quaternion w first, as a frame; None for a position of zeros, which says nothing."""
+        x, y, z, qw, qx, qy, qz = self.viewpoint
+        if (x, y, z) == (0.0, 0.0, 0.0):
+            return None
+        norm = math.hypot(qw, qx, qy, qz)
+        turn = np.array([qx, qy, qz, qw]) / norm if 0.0 < norm < math.inf else np.array([0.0, 0.0, 0.0, 1.0])
+        return Frame(np.array([x, y, z]), axes_from_quaternion(turn))
 
     def column(self, name: str) -> int:
         """Place of a field's first number among a point's numbers."""

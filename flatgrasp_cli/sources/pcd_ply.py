@@ -13,6 +13,7 @@ import io
 import shutil
 import tempfile
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import BinaryIO
 
@@ -20,7 +21,7 @@ import numpy as np
 
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.model import Cloud, Source
+from flatgrasp_cli.model import Cloud, ImageGrid, Source
 from flatgrasp_cli.open3d_door import load_open3d
 from flatgrasp_cli.sources.pcd_header import PcdHeader, check_pcd_data, read_pcd_header
 from flatgrasp_cli.sources.ply_header import read_ply_header, seek_vertices
@@ -28,26 +29,36 @@ from flatgrasp_cli.sources.ply_header import read_ply_header, seek_vertices
 COPY_BYTES = 1 << 20
 
 
-def read_pcd(file: BinaryIO, name: str) -> Cloud:
+def read_pcd(file: BinaryIO, name: str, scale: float = 1.0) -> Cloud:
     """Read a PCD file: ascii, binary or binary_compressed, organised or not; NaN and infinite points are dropped.
 
-    VIEWPOINT's position is the sensor's in the cloud's own frame, as PCL writes it; its quaternion (w first) turns
-    nothing, for the points are in that frame already.
+    VIEWPOINT is the sensor's pose in the cloud's own frame as PCL writes it; others write the pose of the cloud's frame
+    in another one, so its inverse is kept, too. All zeros, PCL's default, say nothing.
     """
     header = read_pcd_header(file, name)
     check_pcd_data(file, header, name)
     if header.points == 0:
         raise SourceError(f"{name}: the file declares no points")
     file.seek(header.begin)
-    viewpoint = np.array(header.viewpoint[:3])
+    shape = (header.height, header.width)
+    cloud = _finite(_pcd_columns(file, header, name), name, shape, scale)
+    pose = header.viewpoint_pose
+    if pose is None:
+        return cloud
+    inverse = -pose.axes @ pose.origin
+    return replace(cloud, viewpoint=scale * pose.origin, inverse_viewpoint=scale * inverse)
+
+
+def _pcd_columns(file: BinaryIO, header: PcdHeader, name: str) -> Sequence[FloatArray] | FloatArray:
+    """x, y and z of all points of a PCD file that stands at its data."""
     if header.data == "binary_compressed":
-        return _finite(_decompressed(file, header, name).T, viewpoint, name)
+        return _decompressed(file, header, name).T
     data = file.read()
     if header.data == "binary":
         records = np.frombuffer(data, dtype=header.point_dtype(), count=header.points)
-        return _finite([records[axis] for axis in "xyz"], viewpoint, name)
+        return [records[axis] for axis in "xyz"]
     columns = [header.column(axis) for axis in "xyz"]
-    return _finite(np.loadtxt(io.BytesIO(data), comments=None, ndmin=2, usecols=columns).T, viewpoint, name)
+    return np.loadtxt(io.BytesIO(data), comments=None, ndmin=2, usecols=columns).T
 
 
 def _decompressed(file: BinaryIO, header: PcdHeader, name: str) -> FloatArray:
@@ -68,8 +79,8 @@ def _decompressed(file: BinaryIO, header: PcdHeader, name: str) -> FloatArray:
     return np.asarray(points)
 
 
-def read_ply(file: BinaryIO, name: str) -> Cloud:
-    """Read the vertices of a PLY file, ascii or binary of either endianness, seen from the origin."""
+def read_ply(file: BinaryIO, name: str, scale: float = 1.0) -> Cloud:
+    """Read the vertices of a PLY file, ascii or binary of either endianness."""
     header = read_ply_header(file, name)
     size = seek_vertices(file, header, name)
     if header.vertex.count == 0:
@@ -77,16 +88,25 @@ def read_ply(file: BinaryIO, name: str) -> Cloud:
     data = file.read(size)
     if header.format == "ascii":
         columns = [header.vertex.column(axis) for axis in "xyz"]
-        return _finite(np.loadtxt(io.BytesIO(data), comments=None, ndmin=2, usecols=columns).T, np.zeros(3), name)
+        return _finite(
+            np.loadtxt(io.BytesIO(data), comments=None, ndmin=2, usecols=columns).T,
+            name,
+            (1, header.vertex.count),
+            scale,
+        )
     records = np.frombuffer(data, dtype=header.vertex_dtype())
-    return _finite([records[axis] for axis in "xyz"], np.zeros(3), name)
+    return _finite([records[axis] for axis in "xyz"], name, (1, header.vertex.count), scale)
 
 
-def _finite(columns: Sequence[FloatArray] | FloatArray, viewpoint: FloatArray, name: str) -> Cloud:
-    """The cloud of the finite ones of points given as columns x, y and z, of any type."""
+def _finite(columns: Sequence[FloatArray] | FloatArray, name: str, shape: tuple[int, int], scale: float) -> Cloud:
+    """The cloud of the finite ones of points given as columns x, y and z, of any type; `shape` is height and width."""
     x, y, z = columns
-    rows = np.flatnonzero(np.isfinite(x) & np.isfinite(y) & np.isfinite(z))
+    finite = np.isfinite(x) & np.isfinite(y) & np.isfinite(z)
+    rows = np.flatnonzero(finite)
     points = np.empty((len(rows), 3))
     for k, column in enumerate((x, y, z)):
         points[:, k] = column if len(rows) == len(column) else column.take(rows)
-    return Cloud(points, viewpoint, Source(name), dropped=len(x) - len(rows))
+    if scale != 1.0:
+        points *= scale
+    pixels = ImageGrid(shape, finite) if min(shape) > 1 else None
+    return Cloud(points, source=Source(name), dropped=len(x) - len(rows), pixels=pixels)

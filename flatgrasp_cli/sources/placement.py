@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 from flatgrasp_cli.model import Cloud
 from flatgrasp_cli.sources.containers.recording import Message, Recording
@@ -57,12 +56,7 @@ class Placement:
         stamp_ns = cloud.source.stamp_ns or logged_ns
         frame = self._buffer.lookup(self._base_frame, cloud.frame_id, stamp_ns)
         self._buffer.forget_before(stamp_ns - KEPT_NS)
-        return replace(
-            cloud,
-            points=frame.to_world(cloud.points),
-            viewpoint=frame.to_world(cloud.viewpoint),
-            frame_id=self._base_frame,
-        )
+        return cloud.in_frame(frame, self._base_frame)
 
     def _read_until(self, logged_ns: int) -> None:
         while self._read_to_ns < logged_ns:

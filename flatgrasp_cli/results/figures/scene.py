@@ -82,7 +82,7 @@ def _colored(
 def _from_above(plan: Plan, support: SupportPlane) -> Frame:
     """A frame in the support plane, its y axis away from the sensor."""
     middle = plan.cloud.points.mean(axis=0)
-    away = middle - plan.cloud.viewpoint
+    away = np.zeros(3) if plan.cloud.sensor is None else -plan.cloud.sensor.toward(middle)
     away = away - (away @ support.normal) * support.normal
     length = float(np.linalg.norm(away))
     if length < 1e-6:

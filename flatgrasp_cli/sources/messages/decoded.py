@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import ByteArray, FloatArray
+from flatgrasp_cli.model import CloudWarning, ImageGrid, Sensor
 
 LARGEST_NS = 2**63 - 1
 
@@ -20,10 +21,12 @@ class MessageError(ValueError):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Decoded:
-    """The finite `points` (n, 3) of one message, in metres in `frame_id`, seen from `viewpoint` (3,).
+    """The finite `points` (n, 3) of one message, in metres in `frame_id`.
 
     `shape` is the height and width that the message declares, `dropped` how many of those points are NaN, infinite or
-    no data. `colors` (n, 3) are RGB. `stamp_ns` is the header's time, None when it is not set.
+    no data. `colors` (n, 3) are RGB. `stamp_ns` is the header's time, None when it is not set. `sensor` is where the
+    points were seen from, `viewpoint` (3,) where the message states that; None where it does not say. `pixels` is the
+    image that the points are the pixels of, if they are those of one.
     """
 
     points: FloatArray
@@ -32,7 +35,10 @@ class Decoded:
     shape: tuple[int, int]
     frame_id: str
     stamp_ns: int | None
-    viewpoint: FloatArray = field(default_factory=lambda: np.zeros(3))
+    sensor: Sensor | None = None
+    viewpoint: FloatArray | None = None
+    pixels: ImageGrid | None = None
+    warnings: tuple[CloudWarning, ...] = ()
 
 
 class CloudDecoder(Protocol):

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.model import Sensor
 from flatgrasp_cli.sources.messages.camera_info import CameraInfo
 from flatgrasp_cli.sources.messages.decoded import Decoded, MessageError, frame_name, reading, stamp_ns
 from flatgrasp_cli.sources.messages.depth_image import image_size, read_depth
@@ -84,7 +85,15 @@ class DepthCameras:
         finite = np.isfinite(points[:, 0])
         if not finite.all():
             points = points[finite]
-        return Decoded(points, None, width * height - len(points), (height, width), frame, stamp)
+        return Decoded(
+            points,
+            None,
+            dropped=width * height - len(points),
+            shape=(height, width),
+            frame_id=frame,
+            stamp_ns=stamp,
+            sensor=Sensor("frame", np.zeros(3)),
+        )
 
     def _info_for(self, topic: str, frame_id: str, size: tuple[int, int], stamp: int | None) -> CameraInfo:
         found = [stamped for sibling in _siblings(topic) for stamped in self._infos.get(sibling, ())]

@@ -37,9 +37,9 @@ def decode_foxglove(message: Any, *, colors: bool = False) -> Decoded:
         data, stride = _data(message.data), int(message.point_stride)
         stamp, frame_id = stamp_ns(message.timestamp), frame_name(message.frame_id)
         pose = _pose(getattr(message, "pose", None))
-        viewpoint = np.zeros(3) if pose is None else pose.origin
+        viewpoint = None if pose is None else pose.origin
         if len(data) == 0:
-            return Decoded(np.empty((0, 3)), None, 0, (1, 0), frame_id, stamp, viewpoint)
+            return Decoded(np.empty((0, 3)), None, 0, (1, 0), frame_id, stamp, viewpoint=viewpoint)
         if stride <= 0:
             raise MessageError(f"point_stride is {stride}")
         if len(data) % stride:
@@ -50,11 +50,11 @@ def decode_foxglove(message: Any, *, colors: bool = False) -> Decoded:
             if field.type in TYPES
         }
         count = len(data) // stride
-        points, rgb = PackedPoints(data, count, stride, fields).unpack(colors=colors)
+        points, _, rgb = PackedPoints(data, count, stride, fields).unpack(colors=colors)
     dropped = count - len(points)
     if pose is not None:
         points = pose.to_world(points)
-    return Decoded(points, rgb, dropped, (1, count), frame_id, stamp, viewpoint)
+    return Decoded(points, rgb, dropped, (1, count), frame_id, stamp, viewpoint=viewpoint)
 
 
 def _data(data: Any) -> ByteArray:

@@ -64,12 +64,12 @@ class PackedPoints:
     def _view(self, offset: int, dtype: Any) -> NDArray[Any]:
         return np.ndarray((self.count,), dtype, self.data.data, offset, (self.stride,))
 
-    def unpack(self, *, colors: bool) -> tuple[FloatArray, ByteArray | None]:
-        """The finite points (n, 3), and if asked for their RGB (n, 3)."""
+    def unpack(self, *, colors: bool) -> tuple[FloatArray, BoolArray, ByteArray | None]:
+        """The finite points (n, 3), which of the records (count,) they are, and if asked for their RGB (n, 3)."""
         self.check()
         window = self._window()
         points, kept = self._by_column() if window is None else self._by_window(window)
-        return points, self._colors(kept) if colors else None
+        return points, kept, self._colors(kept) if colors else None
 
     def _window(self) -> int | None:
         """Offset of 16 bytes of the record that hold x, y, z as native float32; None if there are none."""

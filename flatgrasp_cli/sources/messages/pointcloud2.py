@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import ByteArray
+from flatgrasp_cli.model import ImageGrid
 from flatgrasp_cli.sources.messages.decoded import Decoded, MessageError, frame_name, raw_bytes, reading, stamp_ns
 from flatgrasp_cli.sources.messages.packed import PackedField, PackedPoints
 
@@ -39,8 +40,16 @@ def decode_pointcloud2(message: Any, *, colors: bool = False) -> Decoded:
             for field in reversed(message.fields)
             if field.datatype in TYPES
         }
-        points, rgb = PackedPoints(data, height * width, step, fields).unpack(colors=colors)
-    return Decoded(points, rgb, height * width - len(points), (height, width), frame, stamp)
+        points, kept, rgb = PackedPoints(data, height * width, step, fields).unpack(colors=colors)
+    return Decoded(
+        points,
+        rgb,
+        dropped=height * width - len(points),
+        shape=(height, width),
+        frame_id=frame,
+        stamp_ns=stamp,
+        pixels=ImageGrid((height, width), kept) if min(height, width) > 1 else None,
+    )
 
 
 def _rows(data: ByteArray, shape: tuple[int, int], step: int, row_step: int) -> ByteArray:

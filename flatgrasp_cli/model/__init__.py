@@ -1,0 +1,48 @@
+"""The records that flow from a recording to a result. All are frozen; arrays in them are not written to.
+
+Lengths are metres, angles in names ending `_deg` degrees. "Plane" coordinates (…, 2) are those of a silhouette's frame.
+"""
+
+from flatgrasp_cli.model.candidates import FingerCandidates, GraspCandidates
+from flatgrasp_cli.model.clouds import (
+    Cloud,
+    CloudWarning,
+    Floor,
+    ImageGrid,
+    KnownFrom,
+    ObjectCloud,
+    Scene,
+    Sensor,
+    Source,
+    SupportPlane,
+)
+from flatgrasp_cli.model.grasps import Cage, Closure, Grasp, Reach, Tolerance
+from flatgrasp_cli.model.outlines import OrientedBox, Silhouette, StepPoints
+from flatgrasp_cli.model.plans import ObjectPlan, Rejection, Stage, Trace
+
+__all__ = [
+    "Cage",
+    "Closure",
+    "Cloud",
+    "CloudWarning",
+    "FingerCandidates",
+    "Floor",
+    "Grasp",
+    "GraspCandidates",
+    "ImageGrid",
+    "KnownFrom",
+    "ObjectCloud",
+    "ObjectPlan",
+    "OrientedBox",
+    "Reach",
+    "Rejection",
+    "Scene",
+    "Sensor",
+    "Silhouette",
+    "Source",
+    "Stage",
+    "StepPoints",
+    "SupportPlane",
+    "Tolerance",
+    "Trace",
+]

@@ -1,0 +1,285 @@
+"""What was recorded, and what it shows: a cloud, and its scene."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.frames import Frame
+from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
+
+LARGEST_COORDINATE_M = 1e4
+"""What lies farther from the origin than 10 km was not measured by anything that looks at objects."""
+
+KnownFrom = Literal[
+    "option",
+    "projection",
+    "viewpoint",
+    "inverse_viewpoint",
+    "frame",
+    "transforms",
+    "visibility",
+    "up",
+    "assumed",
+    "all_sides",
+]
+"""How it is known where the sensor was.
+
+- `option`: somebody said so, by `--sensor` or in Python.
+- `projection`: the centre of projection of an organised cloud.
+- `viewpoint`, `inverse_viewpoint`: the pose in the file's header, or its inverse; the cloud can be seen from there.
+- `frame`: the cloud's own frame is the sensor's, by its name or because it is a depth image's.
+- `transforms`: the recording's transforms lead to the sensor's frame.
+- `visibility`: of several places the only one from which the cloud can have been seen.
+- `up`: only the way up is known, and the sensor is taken to have looked down.
+- `assumed`: nothing is known, and the sensor is taken to have been at the origin.
+- `all_sides`: a mesh, or clouds merged from several views; nothing was hidden.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Where a cloud was recorded: file, topic, time, and its place among the frames read."""
+
+    path: str = "array"
+    topic: str | None = None
+    stamp_ns: int | None = None
+    index: int = 0
+
+    def __str__(self) -> str:
+        return self.path if self.stamp_ns is None else f"{self.path} at {self.stamp_ns / 1e9:.3f} s"
+
+
+@dataclass(frozen=True, slots=True)
+class CloudWarning:
+    """Something that had to be assumed of a cloud and can change the answer.
+
+    `code` is stable, in snake_case; `text` is one sentence for people, which names the option that settles it and says
+    the same for all frames of a source that it holds for.
+    """
+
+    code: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sensor:
+    """Where the sensor was that saw a cloud, in the cloud's frame, and how that is known.
+
+    `position` (3,) is None where it is not known; `direction` (3,), a unit vector, then points from the cloud toward
+    the sensor, if at least that is known. What was seen from all sides has neither hidden flanks nor shadows.
+    """
+
+    known_from: KnownFrom
+    position: FloatArray | None = None
+    direction: FloatArray | None = None
+
+    @property
+    def sees_all_sides(self) -> bool:
+        """Whether nothing was hidden: a mesh, or clouds merged from several views."""
+        return self.known_from == "all_sides"
+
+    def toward(self, place: FloatArray) -> FloatArray:
+        """The way (3,), of any length, from a place (3,) to the sensor."""
+        if self.position is not None:
+            return self.position - place
+        return np.zeros(3) if self.direction is None else self.direction
+
+    def in_frame(self, frame: Frame) -> Sensor:
+        """The same sensor in the frame in which the cloud's own frame has the pose `frame`."""
+        position = None if self.position is None else frame.to_world(self.position)
+        direction = None if self.direction is None else self.direction @ frame.axes
+        return Sensor(self.known_from, position, direction)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ImageGrid:
+    """The image that an organised cloud is: `shape` (height, width), and which pixels hold the cloud's points.
+
+    `filled` (height · width,) marks them row by row, in the order of the points.
+    """
+
+    shape: tuple[int, int]
+    filled: BoolArray
+
+    def select(self, keep: BoolArray) -> ImageGrid:
+        """The image of the points (n,) that `keep` names."""
+        filled = self.filled.copy()
+        filled[np.flatnonzero(filled)[~keep]] = False
+        return ImageGrid(self.shape, filled)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cloud:
+    """One recorded frame: `points` (n, 3) in metres in `frame_id`.
+
+    Points that were not measured (NaN, infinite, exactly 0 0 0, farther than 10 km) are taken out when a cloud is made,
+    and counted in `dropped`. An array (height, width, 3) makes an organised cloud, whose points are the pixels of one
+    image.
+
+    >>> Cloud(np.array([[0.0, 0.1, 0.8], [np.nan, np.nan, np.nan]])).dropped
+    1
+
+    Raises
+    ------
+    ValueError
+        If the points or the viewpoint have another shape, or the viewpoint is not finite.
+    """
+
+    points: FloatArray
+    viewpoint: FloatArray | None = None
+    """Where the sensor was, (3,), as whoever wrote the cloud states; believed if the cloud can be seen from there."""
+    source: Source = field(default_factory=Source)
+    frame_id: str = ""
+    dropped: int = 0
+    """Points of the recording that were not measured."""
+    colors: ByteArray | None = None
+    """RGB (n, 3) of the points, where the recording has colours and they were asked for."""
+    sensor: Sensor | None = None
+    """Where the sensor was, if that is known; None until `locate` finds it."""
+    inverse_viewpoint: FloatArray | None = None
+    """Where the sensor was, (3,), if the pose that the file states is meant the other way round."""
+    pixels: ImageGrid | None = None
+    """The image that the points are the pixels of, if they are those of one."""
+    warnings: tuple[CloudWarning, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Check the shapes, and take out what was not measured."""
+        points = np.asarray(self.points, dtype=np.float64)
+        if points.ndim == 3 and points.shape[2] == 3 and self.pixels is None:
+            height, width, _ = points.shape
+            object.__setattr__(self, "pixels", ImageGrid((height, width), np.ones(height * width, dtype=np.bool_)))
+            points = points.reshape(-1, 3)
+        if points.ndim != 2 or points.shape[1] != 3:
+            raise ValueError(f"points of a cloud are an array (n, 3) or (height, width, 3), not {points.shape}")
+        object.__setattr__(self, "points", points)
+        if self.viewpoint is not None:
+            object.__setattr__(self, "viewpoint", _place(self.viewpoint))
+        lost = _not_measured(points)
+        if len(lost):
+            self._drop(lost)
+
+    def _drop(self, lost: IntArray) -> None:
+        """Take out the points `lost` (k,), and count them."""
+        keep = np.ones(len(self.points), dtype=np.bool_)
+        keep[lost] = False
+        rest = {"points": self.points[keep], "dropped": self.dropped + len(lost)}
+        rest |= {} if self.colors is None else {"colors": self.colors[keep]}
+        rest |= {} if self.pixels is None else {"pixels": self.pixels.select(keep)}
+        for name, value in rest.items():
+            object.__setattr__(self, name, value)
+
+    def select(self, keep: BoolArray) -> Cloud:
+        """The points (n,) that `keep` names."""
+        return replace(
+            self,
+            points=self.points[keep],
+            colors=None if self.colors is None else self.colors[keep],
+            pixels=None if self.pixels is None else self.pixels.select(keep),
+        )
+
+    def in_frame(self, frame: Frame, frame_id: str) -> Cloud:
+        """The cloud in the frame `frame_id`, in which its own frame has the pose `frame`."""
+        stated, inverse = (
+            None if place is None else frame.to_world(place) for place in (self.viewpoint, self.inverse_viewpoint)
+        )
+        return replace(
+            self,
+            points=frame.to_world(self.points),
+            viewpoint=stated,
+            inverse_viewpoint=inverse,
+            sensor=self.sensor and self.sensor.in_frame(frame),
+            frame_id=frame_id,
+        )
+
+    def warned(self, *warnings: CloudWarning) -> Cloud:
+        """The cloud with further warnings, none of them twice."""
+        return replace(self, warnings=tuple(dict.fromkeys((*self.warnings, *warnings))))
+
+
+def _place(values: FloatArray) -> FloatArray:
+    place = np.asarray(values, dtype=np.float64)
+    if place.shape != (3,) or not np.isfinite(place).all():
+        raise ValueError(f"the viewpoint of a cloud is three finite numbers, not {values!r}")
+    return place
+
+
+def _not_measured(points: FloatArray) -> IntArray:
+    """Rows of `points` (n, 3) that nothing measured: not finite, exactly 0 0 0, or farther away than anything seen.
+
+    Nearly all clouds have none, so what costs time is done only where a cheap look finds something.
+    """
+    zero = np.flatnonzero(points[:, 0] == 0.0)
+    zero = zero[~points[zero].any(axis=1)]
+    if points.size == 0 or -LARGEST_COORDINATE_M <= points.min() <= points.max() <= LARGEST_COORDINATE_M:
+        return zero
+    near = np.abs(points) <= LARGEST_COORDINATE_M  # false for NaN, too
+    return np.union1d(zero, np.flatnonzero(~near.all(axis=1)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SupportPlane:
+    """The plane that objects stand on: `normal` · p = `offset_m`, the unit normal (3,) on the sensor's side.
+
+    `noise_m` is the standard deviation of the plane's own points about it.
+    """
+
+    normal: FloatArray
+    offset_m: float
+    noise_m: float
+
+    def heights(self, points: FloatArray) -> FloatArray:
+        """Heights (n,) of `points` (n, 3) above the plane."""
+        return np.asarray(points @ self.normal - self.offset_m)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Floor:
+    """What was seen of a support plane with nothing on it: cells of its own `frame`, whose z axis is the normal.
+
+    `levels` holds the height over the plane around each such cell, −inf in all others. Cells serve all objects alike
+    and are far fewer than the plane's points.
+    """
+
+    frame: Frame
+    levels: HeightMap
+
+    @property
+    def points(self) -> FloatArray:
+        """The middles (k, 3) of the cells, in the world."""
+        return self.frame.to_world(self.levels.higher_than(UNSEEN))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ObjectCloud:
+    """The points (n, 3) of one object; the hand comes from the side that `toward` (3,), of any length, points to.
+
+    They were seen from `viewpoint` (3,), or, if that is None, from all sides. `support` is the plane it stands on, None
+    when it was seen alone, and `floor` what was seen of that. Near it lie other points above the plane, `obstacles`
+    (m, 3), for fingers and palm to keep clear of.
+    """
+
+    id: int
+    points: FloatArray
+    toward: FloatArray
+    viewpoint: FloatArray | None
+    support: SupportPlane | None = None
+    obstacles: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
+    floor: Floor | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scene:
+    """What a cloud shows: objects, and the plane that they stand on (None: one object, seen alone).
+
+    `clutter` (k, 3) are points above the plane that belong to no object; `reason` says why there is no object.
+    """
+
+    support: SupportPlane | None
+    objects: tuple[ObjectCloud, ...]
+    clutter: FloatArray
+    reason: str | None = None
+    warnings: tuple[CloudWarning, ...] = ()

@@ -1,0 +1,47 @@
+"""An object's oriented bounding box and its silhouette in the main plane."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.frames import Frame
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OrientedBox:
+    """The oriented bounding box: `frame` at its centre (x major, y middle, z minor axis, to the sensor), `size` (3,).
+
+    The x-y plane of `frame` is the main plane. `aabb` (2, 3) are the corners of the axis-aligned box, for comparison.
+    """
+
+    frame: Frame
+    size: FloatArray
+    aabb: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Silhouette:
+    """The object's concave hull in the main plane.
+
+    `loops` hold vertices (n, 2) in serial order: the outer loop counter-clockwise, then the holes clockwise, so that
+    the object lies to the left of the walk. `points` (k, 2) are all projected points, `heights` (k,) their heights
+    above the main plane; `coverage` is the share of the concave hull's area in `loops`, the rest being fragments.
+    """
+
+    frame: Frame
+    loops: tuple[FloatArray, ...]
+    points: FloatArray
+    heights: FloatArray
+    alpha_m: float
+    coverage: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StepPoints:
+    """Step points of one loop: arc lengths `positions` (s,) and `points` (s, 2), `step_m` apart (the paper's r)."""
+
+    loop: int
+    positions: FloatArray
+    points: FloatArray
+    step_m: float
