@@ -40,7 +40,8 @@ class Selection:
 
     `topic` is None for the only one with clouds; frames lie in start ≤ t < end, or are the first at or after `at`.
     They come in `base_frame`, by the recording's own transforms, if that is given, and with `colors` if those are
-    wanted. With `strict`, the first problem ends the reading with an error.
+    wanted. `sensor_frame` is the frame of the sensor that saw them. With `strict`, the first problem ends the reading
+    with an error.
     """
 
     topic: str | None = None
@@ -50,6 +51,7 @@ class Selection:
     every: Every = Every()
     count: int | None = None
     base_frame: str | None = None
+    sensor_frame: str | None = None
     colors: bool = False
     strict: bool = False
 
