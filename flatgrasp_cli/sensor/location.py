@@ -97,9 +97,6 @@ def _looking_down(
     known_up = up if up is not None else Z_UP if has_z_up(cloud.frame_id) else None
     upward = Z_UP if known_up is None else known_up
     above = _from_above(surface, upward)
-    if above == "impossible":  # a heap, or several things apart, whose surface is not one
-        surface = surface.without_normals()
-        above = _from_above(surface, upward)
     if surface.standing is not None and (known_up is None or surface.standing[0] @ known_up > 0):
         upward, above = surface.standing[0], "seen"
     if camera_at_origin == "impossible" and above == "seen":
@@ -109,7 +106,10 @@ def _looking_down(
     if known_up is not None:
         text = "nothing says where the sensor was; the hand comes from above, as the frame's name or --up says"
         return Sensor("up", direction=upward), (CloudWarning("sensor_unknown", f"{text}: {REMEDY}"),)
-    if camera_at_origin == "impossible" and above == "flat" and surface.seen_from(np.zeros(3)) == "impossible":
+    if cloud.viewpoint is not None:
+        text = "the cloud cannot have been seen from the viewpoint that the source states, which is taken all the same"
+        return Sensor("viewpoint", cloud.viewpoint), (CloudWarning("viewpoint_doubted", f"{text}: {REMEDY}"),)
+    if above == "flat" and surface.seen_from(np.zeros(3)) == "impossible":
         text = (
             "the cloud cannot have been seen from the origin; the hand comes from +z, for it may have been from there"
         )

@@ -7,7 +7,7 @@ thing seen alone faces the sensor everywhere, and mostly bulges toward it.
 from __future__ import annotations
 
 import heapq
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import cv2
@@ -49,6 +49,9 @@ LEAST_DISTANCE_M = 0.1
 NEIGHBOURS = 9
 KD_TREE = 4
 """FLANN's name for an exact search in one tree."""
+LEAST_FLAT = 0.3
+"""Thickness of a neighbourhood over its width, at most, for its points to lie on a surface: single objects that a depth
+camera saw have 0.12 to 0.27, points that fill a slab 0.65."""
 LEAST_FACING = 0.9
 LEAST_BULGE = 0.1
 """Flat sheets with a depth camera's noise stay below half of this, the least curved of the sample objects at 0.35."""
@@ -81,13 +84,10 @@ class Surface:
         standing = _standing_plane(everything, rng)
         sample, nothing = points[spread_indices(len(points), SURFACE_SAMPLE)], np.empty((0, 3))
         large = len(sample) <= NEIGHBOURS or float(np.ptp(sample, axis=0).max()) > LARGEST_OBJECT_M
-        if standing is not None or large:
+        surface = None if standing is not None or large else _bulging_normals(sample)
+        if surface is None:
             return cls(everything, standing, nothing, nothing, 0.0)
-        return cls(everything, None, sample, *_bulging_normals(sample))
-
-    def without_normals(self) -> Surface:
-        """The same cloud, of which only what hides what is looked at."""
-        return replace(self, points=self.points[:0], normals=self.normals[:0], bulge=0.0)
+        return cls(everything, None, sample, *surface)
 
     def seen_from(self, place: FloatArray) -> Verdict:
         """Whether the cloud can have been seen from `place` (3,)."""
@@ -147,32 +147,40 @@ def _well_within(frame: Frame, points: FloatArray, flat: FloatArray) -> BoolArra
     return np.asarray(shapely.contains_xy(hull.buffer(-margin), u, v))
 
 
-def _bulging_normals(points: FloatArray) -> tuple[FloatArray, float]:
+def _bulging_normals(points: FloatArray) -> tuple[FloatArray, float] | None:
     """Unit normals (n, 3) of the surface through `points` (n, 3), on the side to which it bulges, and how much it does.
 
     Where (n_i − n_j)·(x_i − x_j) > 0 for neighbours, the surface between them is convex. The bulge is the sum of that
-    over all neighbours, over the sum of its absolute values.
+    over all neighbours, over the sum of its absolute values; pieces that are apart each bulge to a side of their own.
+    None where the points fill a space and lie on no surface.
     """
     tree = cv2.flann.Index(points.astype(np.float32), {"algorithm": KD_TREE, "leaf_max_size": 16})
     neighbours, squares = tree.knnSearch(points.astype(np.float32), NEIGHBOURS, params={})
     local = points[neighbours] - points[neighbours].mean(axis=1, keepdims=True)
-    normals = np.linalg.eigh(np.einsum("nki,nkj->nij", local, local))[1][:, :, 0]
+    spread, axes = np.linalg.eigh(np.einsum("nki,nkj->nij", local, local))
+    flatness = np.sqrt(np.maximum(spread[:, 0], 0.0) / np.maximum(spread[:, 1], 1e-30))
+    if np.median(flatness) > LEAST_FLAT:
+        return None
+    normals = axes[:, :, 0]
     here, there = np.repeat(np.arange(len(points)), NEIGHBOURS - 1), neighbours[:, 1:].ravel().astype(np.intp)
-    normals *= _consistent_signs(points, normals, here, there)[:, None]
+    signs, piece = _consistent_signs(points, normals, here, there)
+    normals *= signs[:, None]
     distance = np.sqrt(squares[:, 1:]).ravel()
-    near = distance < 3 * np.median(distance)
-    bends = np.einsum("ij,ij->i", normals[here] - normals[there], points[here] - points[there])[near]
-    total = float(np.abs(bends).sum())
-    bulge = float(bends.sum()) / total if total > 0 else 0.0
-    return (normals, bulge) if bulge >= 0 else (-normals, -bulge)
+    bends = np.einsum("ij,ij->i", normals[here] - normals[there], points[here] - points[there])
+    bends *= distance < 3 * np.median(distance)
+    bulges = np.bincount(piece[here], weights=bends)
+    normals[bulges[piece] < 0] *= -1
+    return normals, float(np.abs(bulges).sum() / max(np.abs(bends).sum(), 1e-30))
 
 
-def _consistent_signs(points: FloatArray, normals: FloatArray, here: IntArray, there: IntArray) -> FloatArray:
-    """A sign (n,) for each normal such that they lie on one side of the surface; `here` and `there` are neighbours.
+def _consistent_signs(
+    points: FloatArray, normals: FloatArray, here: IntArray, there: IntArray
+) -> tuple[FloatArray, IntArray]:
+    """A sign (n,) for each normal such that they lie on one side of the surface, and the piece of it (n,) it is on.
 
-    Two normals lie on one side if the one agrees with the other mirrored in the plane halfway between their points
-    (König & Gumhold, VMV 2009): across a sharp edge, too. Where they agree best the sign is handed on first, along a
-    minimum spanning tree (Hoppe et al., SIGGRAPH 1992).
+    `here` and `there` (m,) are neighbours. Two normals lie on one side if the one agrees with the other mirrored in the
+    plane halfway between their points (König & Gumhold, VMV 2009): across a sharp edge, too. Where they agree best the
+    sign is handed on first, along a minimum spanning tree (Hoppe et al., SIGGRAPH 1992).
     """
     along = points[there] - points[here]
     along /= np.maximum(np.linalg.norm(along, axis=1), 1e-12)[:, None]
@@ -184,18 +192,18 @@ def _consistent_signs(points: FloatArray, normals: FloatArray, here: IntArray, t
     ):
         edges[one].append((doubt, other, turned))
         edges[other].append((doubt, one, turned))
-    signs = np.zeros(len(points))
+    signs, piece = [0.0] * len(points), [0] * len(points)
     for start in range(len(points)):
-        waiting = [(0.0, start, 1.0)] if signs[start] == 0 else []
+        waiting = [] if signs[start] else [(0.0, start, 1.0)]
         while waiting:
             _, place, sign = heapq.heappop(waiting)
             if signs[place]:
                 continue
-            signs[place] = sign
+            signs[place], piece[place] = sign, start
             for doubt, other, turned in edges[place]:
                 if not signs[other]:
                     heapq.heappush(waiting, (doubt, other, -sign if turned else sign))
-    return signs
+    return np.array(signs), np.array(piece, dtype=np.intp)
 
 
 def _hidden_share(points: FloatArray, place: FloatArray) -> float:
