@@ -195,7 +195,7 @@ class TestFound:
         assert approach(cloud)[2] < -0.3
 
     def test_without_a_clear_case_the_frames_name_says_which_way_is_up(self) -> None:
-        plate = moved(seen(Camera(), Box((0, 0, 0), (0.12, 0.05, 0.001))), 0.45, 0.1, 0.4)
+        plate = moved(seen(Camera(), Box((0, 0, 0), (0.12, 0.05, 0.001))), 0.1, 0.1, 0.6)
         assert codes(plate) == ["sensor_assumed"]
         assert approach(plate)[2] > 0.9  # from the origin, which is below
         named = replace(plate, frame_id="base_link")
@@ -204,7 +204,7 @@ class TestFound:
         assert approach(named)[2] < -0.9
 
     def test_or_the_option_does(self) -> None:
-        plate = seen(Camera(), Box((0, 0, 0), (0.12, 0.05, 0.001)))
+        plate = moved(seen(Camera(), Box((0, 0, 0), (0.12, 0.05, 0.001))), 0.1, 0.1, 0.6)
         for up, side in (("[0,0,1]", -1), ("[0,0,-1]", 1)):
             assert np.sign(approach(plate, up=up)[2]) == side
         assert codes(plate, (0.0, 0.0, 1.0)) == ["sensor_unknown"]

@@ -23,7 +23,7 @@ OVERHEAD_M = 1.0
 TILTS_DEG, AROUND = (0.0, 30.0, 55.0), 8
 """Places above a cloud that a sensor may have looked down from, and how many of each tilt."""
 WIDEST_VIEW_COS = np.cos(np.radians(45))
-"""A camera at the origin sees what lies within this angle of its frame's z axis, or x axis: wider ones are rare."""
+"""A camera sees what lies within this angle of its line of sight: wider ones are rare."""
 IN_VIEW_SHARE = 0.95
 SAME_PLACE_M = 0.05
 NEAREST_M = 0.01
@@ -71,27 +71,45 @@ def _upward(cloud: Cloud, rng: np.random.Generator) -> FloatArray:
 
 
 def _found(cloud: Cloud, up: FloatArray | None, surface: Surface) -> tuple[Sensor, tuple[CloudWarning, ...]]:
-    """The sensor by the cloud's own shape."""
-    origin = np.zeros(3)
-    camera_at_origin = surface.seen_from(origin) if _in_view(surface.all_points) else "impossible"
+    """The sensor by the cloud's own shape, and by the viewpoint that is stated."""
+    at_origin = _camera_at_origin(surface)
     if cloud.viewpoint is not None:
-        verdict = surface.seen_from(cloud.viewpoint)
-        if verdict in ("seen", "flat"):
-            return Sensor("viewpoint", cloud.viewpoint), ()
-        inverse = cloud.inverse_viewpoint
-        if inverse is not None and surface.seen_from(inverse) == "seen":
-            return Sensor("inverse_viewpoint", inverse), (_not_believed("its inverse"),)
-        if camera_at_origin == "seen" and np.linalg.norm(cloud.viewpoint) > SAME_PLACE_M:
-            return Sensor("visibility", origin), (_not_believed("the origin"),)
-        if verdict == "hollow":
-            return Sensor("viewpoint", cloud.viewpoint), ()
-    elif camera_at_origin == "seen" and not has_z_up(cloud.frame_id):
-        return Sensor("visibility", origin), ()
-    return _looking_down(cloud, up, surface, camera_at_origin)
+        answer = _by_viewpoint(cloud, cloud.viewpoint, surface, at_origin)
+        return answer or _looking_down(cloud, up, surface, at_origin)
+    if at_origin == "seen" and not has_z_up(cloud.frame_id):
+        return Sensor("visibility", np.zeros(3)), ()
+    return _looking_down(cloud, up, surface, at_origin)
+
+
+def _camera_at_origin(surface: Surface) -> Verdict:
+    """Whether a camera at the origin can have seen the cloud: in an optical frame, or else in a body's, x forward.
+
+    A robot's frame looks like a body's, for in both z is up. So in those only a clear case counts.
+    """
+    if _in_view(surface.all_points, axis=2):
+        return surface.seen_from(np.zeros(3))
+    forward = _in_view(surface.all_points, axis=0) and surface.seen_from(np.zeros(3)) == "seen"
+    return "seen" if forward else "impossible"
+
+
+def _by_viewpoint(
+    cloud: Cloud, stated: FloatArray, surface: Surface, at_origin: Verdict
+) -> tuple[Sensor, tuple[CloudWarning, ...]] | None:
+    """The sensor at the `stated` viewpoint (3,), or where that may mean; None if the cloud was not seen from there."""
+    verdict, inverse = surface.seen_from(stated), cloud.inverse_viewpoint
+    if verdict in ("seen", "flat"):
+        unsure = verdict == at_origin == "flat" and _opposite(stated, np.zeros(3), surface)
+        text = "the cloud can have been seen from the stated viewpoint, which is taken, as well as from the origin"
+        return Sensor("viewpoint", stated), (CloudWarning("viewpoint_unsure", f"{text}: {REMEDY}"),) if unsure else ()
+    if inverse is not None and surface.seen_from(inverse) == "seen":
+        return Sensor("inverse_viewpoint", inverse), (_not_believed("its inverse"),)
+    if at_origin == "seen" and np.linalg.norm(stated) > SAME_PLACE_M:
+        return Sensor("visibility", np.zeros(3)), (_not_believed("the origin"),)
+    return (Sensor("viewpoint", stated), ()) if verdict == "hollow" else None
 
 
 def _looking_down(
-    cloud: Cloud, up: FloatArray | None, surface: Surface, camera_at_origin: Verdict
+    cloud: Cloud, up: FloatArray | None, surface: Surface, at_origin: Verdict
 ) -> tuple[Sensor, tuple[CloudWarning, ...]]:
     """The sensor as one that looked down, if the cloud or the way up tells that; else at the origin."""
     known_up = up if up is not None else Z_UP if has_z_up(cloud.frame_id) else None
@@ -99,9 +117,11 @@ def _looking_down(
     above = _from_above(surface, upward)
     if surface.standing is not None and (known_up is None or surface.standing[0] @ known_up > 0):
         upward, above = surface.standing[0], "seen"
-    if camera_at_origin == "impossible" and above == "seen":
+    if at_origin == "impossible" and (above == "seen" or (above == "flat" and cloud.viewpoint is None)):
         place = "the stated viewpoint" if cloud.viewpoint is not None else "a camera at the origin"
-        text = f"the cloud was not seen from {place}; by its shape it was seen from above, and so the hand comes"
+        text = (
+            f"the cloud was hardly seen from {place}, by its shape and place; the hand comes from above, where +z is up"
+        )
         return Sensor("visibility", direction=upward), (CloudWarning("sensor_found", f"{text}: {REMEDY}"),)
     if known_up is not None:
         text = "nothing says where the sensor was; the hand comes from above, as the frame's name or --up says"
@@ -109,13 +129,14 @@ def _looking_down(
     if cloud.viewpoint is not None:
         text = "the cloud cannot have been seen from the viewpoint that the source states, which is taken all the same"
         return Sensor("viewpoint", cloud.viewpoint), (CloudWarning("viewpoint_doubted", f"{text}: {REMEDY}"),)
-    if above == "flat" and surface.seen_from(np.zeros(3)) == "impossible":
-        text = (
-            "the cloud cannot have been seen from the origin; the hand comes from +z, for it may have been from there"
-        )
-        return Sensor("visibility", direction=upward), (CloudWarning("sensor_found", f"{text}: {REMEDY}"),)
     text = "nothing says where the sensor was, which decides from which side the hand comes; the origin is assumed"
     return Sensor("assumed", np.zeros(3)), (CloudWarning("sensor_assumed", f"{text}: {REMEDY}, --up X,Y,Z the way up"),)
+
+
+def _opposite(one: FloatArray, other: FloatArray, surface: Surface) -> bool:
+    """Whether two places (3,) look at the cloud from opposite sides."""
+    middle = np.median(surface.all_points, axis=0)
+    return bool((one - middle) @ (other - middle) < 0)
 
 
 def _from_above(surface: Surface, up: FloatArray) -> Verdict:
@@ -134,10 +155,10 @@ def _from_above(surface: Surface, up: FloatArray) -> Verdict:
     return best
 
 
-def _in_view(points: FloatArray) -> bool:
-    """Whether a camera at the origin could have `points` (n, 3) in view, looking along z (optical frames) or x."""
-    distance = np.linalg.norm(points, axis=1)
-    return any(np.mean(points[:, axis] > WIDEST_VIEW_COS * distance) >= IN_VIEW_SHARE for axis in (2, 0))
+def _in_view(points: FloatArray, axis: int) -> bool:
+    """Whether a camera at the origin that looks along an axis could have `points` (n, 3) in view."""
+    ahead = points[:, axis] > WIDEST_VIEW_COS * np.linalg.norm(points, axis=1)
+    return bool(np.mean(ahead) >= IN_VIEW_SHARE)
 
 
 def _not_believed(instead: str) -> CloudWarning:

@@ -32,7 +32,7 @@ PLANE_SAMPLE, STANDING_SAMPLE, SURFACE_SAMPLE = 1000, 5000, 250
 PLANE_TOLERANCE_M = 0.008
 """Scatter of a plane about itself that depth cameras show at a metre."""
 LEAST_PLANE_SHARE = 0.15
-STANDING_M = (0.012, 0.5)
+STANDING_SIGMAS, STANDING_M = 4.0, (0.004, 0.5)
 """Heights over a plane, beyond its scatter and below furniture, at which points stand on it."""
 EDGE_SHARE = 0.1
 """What lies within this share of a plane's width from its edge may belong to the flank of a box whose top it is."""
@@ -117,7 +117,8 @@ def _standing_plane(points: FloatArray, rng: np.random.Generator) -> tuple[Float
     flat = np.abs(heights) < PLANE_TOLERANCE_M
     if flat.mean() < LEAST_PLANE_SHARE or heights[flat].std() > MOST_SCATTER * PLANE_TOLERANCE_M:
         return None  # no plane, or a slice of a rounded body
-    off = np.flatnonzero((np.abs(heights) > STANDING_M[0]) & (np.abs(heights) < STANDING_M[1]))
+    least = max(STANDING_SIGMAS * float(heights[flat].std()), STANDING_M[0])
+    off = np.flatnonzero((np.abs(heights) > least) & (np.abs(heights) < STANDING_M[1]))
     frame = frame_on_plane(normal, offset)
     off = off[_well_within(frame, points[off], points[flat])]
     above = int(np.count_nonzero(heights[off] > 0))
