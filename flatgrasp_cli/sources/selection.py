@@ -6,8 +6,12 @@ import re
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from decimal import Decimal, InvalidOperation
+from typing import TYPE_CHECKING
 
 from flatgrasp_cli.errors import UsageError
+
+if TYPE_CHECKING:
+    from flatgrasp_cli.sources.messages.camera_info import CameraInfo
 
 NS = 1_000_000_000
 UNIX_S = 100_000_000
@@ -40,7 +44,8 @@ class Selection:
 
     `topic` is None for the only one with clouds; frames lie in start ≤ t < end, or are the first at or after `at`.
     They come in `base_frame`, by the recording's own transforms, if that is given, and with `colors` if those are
-    wanted. With `strict`, the first problem ends the reading with an error.
+    wanted. With `strict`, the first problem ends the reading with an error. `intrinsics` and `depth_unit_m`, metres in
+    one count, say what depth images mean that do not say it themselves.
     """
 
     topic: str | None = None
@@ -52,6 +57,8 @@ class Selection:
     base_frame: str | None = None
     colors: bool = False
     strict: bool = False
+    intrinsics: CameraInfo | None = None
+    depth_unit_m: float | None = None
 
 
 EVERYTHING = Selection()
