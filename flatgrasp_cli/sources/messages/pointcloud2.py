@@ -27,8 +27,8 @@ def decode_pointcloud2(message: Any, *, colors: bool = False) -> Decoded:
     """Decode a PointCloud2 of any legal layout.
 
     x, y, z may be of any type, at any offset and in any order, big endian or not, with padding between points and rows.
-    Colours are rgb or rgba packed in 4 bytes, or r, g, b apart. A row_step that cannot be, where the data is exactly that
-    of the points, is ignored with a warning.
+    Colours are rgb or rgba packed in 4 bytes, or r, g, b apart. Where the data is exactly that of the points, a
+    row_step that says otherwise is ignored, with a warning.
 
     Raises
     ------
