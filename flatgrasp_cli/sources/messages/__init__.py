@@ -14,7 +14,9 @@ from flatgrasp_cli.sources.messages.depth_cameras import (
     unit_topic_for,
 )
 from flatgrasp_cli.sources.messages.depth_image import is_depth, is_lossy_depth
+from flatgrasp_cli.sources.messages.depth_unit import UNIT_ASSUMED
 from flatgrasp_cli.sources.messages.foxglove import decode_foxglove
+from flatgrasp_cli.sources.messages.png import LOSSY
 from flatgrasp_cli.sources.messages.pointcloud2 import decode_pointcloud, decode_pointcloud2
 
 CLOUD_TYPES: Mapping[str, CloudDecoder] = MappingProxyType(
@@ -34,6 +36,8 @@ __all__ = [
     "CLOUD_TYPES",
     "IMAGE_TYPES",
     "INFO_TYPE",
+    "LOSSY",
+    "UNIT_ASSUMED",
     "UNIT_TYPE",
     "CameraInfo",
     "CloudDecoder",

@@ -34,6 +34,7 @@ class Chain:
 
     @property
     def root(self) -> str:
+        """The last frame upwards."""
         return next(reversed(self.poses))
 
     def goes_round(self, name: str) -> bool:
