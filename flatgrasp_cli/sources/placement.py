@@ -11,7 +11,7 @@ from flatgrasp_cli.sources.containers.recording import Message, Recording
 from flatgrasp_cli.sources.depth_axes import AXES_ASSUMED, axes_by_transforms, axes_matter, in_body_axes
 from flatgrasp_cli.sources.messages import MessageError
 from flatgrasp_cli.sources.selection import Selection
-from flatgrasp_cli.sources.transforms import MissingTransform, Route, TransformBuffer
+from flatgrasp_cli.sources.transforms import REMEDY, MissingTransform, Route, TransformBuffer
 
 TRANSFORM_TYPES = frozenset(
     {
@@ -62,7 +62,14 @@ class RecordedTransforms:
             If there is none, or two that contradict each other.
         """
         stamp_ns = self.read_until(cloud, logged_ns)
-        route = self.buffer.route(target, source, stamp_ns, logged_ns)
+        try:
+            route = self.buffer.route(target, source, stamp_ns, logged_ns)
+        except MissingTransform as error:
+            if cloud.frame_id in self.buffer.frames():
+                raise
+            raise MissingTransform(  # the frame itself is there, for the cloud is in it
+                f"no transform of this recording leads to or from {cloud.frame_id!r}, the frame of the clouds; {REMEDY}"
+            ) from error
         self.buffer.forget_before(stamp_ns - KEPT_NS, logged_ns - KEPT_NS)
         return route
 

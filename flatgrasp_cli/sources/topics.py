@@ -34,7 +34,9 @@ def choose_topic(recording: Recording, wanted: str | None, name: str) -> Topic:
         return preferred[0]
     if preferred:
         raise SourceError(f"{name}: several topics hold clouds; choose one with --topic{_listed(preferred)}")
+    before = recording.problems.copy()
     lossy = next((topic.name for topic in recording.topics if _begins_with(recording, topic, is_lossy_depth)), None)
+    recording.problems.reset(before)  # all that had been met already
     if lossy is not None:
         raise SourceError(f"{name}: the depth images on {printable(lossy)} are {LOSSY}")
     raise SourceError(f"{name}: holds no point clouds and no depth images{_listed(recording.topics)}")

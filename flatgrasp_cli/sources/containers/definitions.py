@@ -106,10 +106,11 @@ def _with_depth_units(store: Typestore, data: bytes) -> Any:
 
     try:
         return store.deserialize_ros1(data, IMAGE_TYPE)
-    except SerdeError:
-        if len(data) < DEPTH_UNITS.size:
-            raise
-        image: Any = store.deserialize_ros1(data[: -DEPTH_UNITS.size], IMAGE_TYPE)
+    except SerdeError as error:
+        try:
+            image: Any = store.deserialize_ros1(data[: -DEPTH_UNITS.size], IMAGE_TYPE)
+        except SerdeError:
+            raise error from None
         fields = {name: value for name, value in vars(image).items() if not name.startswith("__")}
         return SimpleNamespace(**fields, depth_units=DEPTH_UNITS.unpack(data[-DEPTH_UNITS.size :])[0])
 
