@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from flatgrasp_cli import read_clouds
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.model import Cloud
 from flatgrasp_cli.sources.selection import Moment, Selection
+from tests.conftest import Run
 from tests.recordings import ROS2, START_NS, header2, transform2, write_messages
 
 S = 1_000_000_000
@@ -129,6 +131,18 @@ def test_optical_names_and_frames_that_are_not_placed_are_no_question(tmp_path: 
     path = write_messages(tmp_path / "a", [mount, *depth("depth_optical_frame")])
     assert codes(clouds(path, base_frame="base_link")[0]) == []
     assert codes(clouds(write_messages(tmp_path / "b", depth("camera")))[0]) == []
+
+
+def test_the_command_line_states_the_axes_and_the_unit(run: Run, tmp_path: Path) -> None:
+    mount = static("base_link", "camera_link", (0, 0, 1), BODY_DOWN)
+    path = write_messages(tmp_path / "a", [mount, *depth("camera_link")])
+    for options, told in (
+        ((), ["depth_axes_assumed"]),
+        (("--depth-axes", "body"), []),
+        (("--depth-axes", "body", "--scale", "9"), []),
+    ):
+        ended = run("plan", path, "--json", "--base-frame", "base_link", *options)
+        assert [warning["code"] for warning in json.loads(ended.out)["warnings"]] == told
 
 
 # where the sensor was
