@@ -10,6 +10,7 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.geometry.range_image import RangeImage
+from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import ObjectCloud, OrientedBox, SupportPlane
 from flatgrasp_cli.planner.depth import PALM_CELL_M, Terrain
 from flatgrasp_cli.planner.main_plane import oriented_box
@@ -87,7 +88,7 @@ def hanging_m(whole: Part) -> float:
     low = float(local[:, 2].min())
     if low < HANGING_M or float(np.ptp(local, axis=0).max()) > MOST_HANGING_M:
         return 0.0
-    x, y, _ = np.tile(local[:: max(1, len(local) // BELOW_SAMPLES)], (len(BELOW), 1)).T
+    x, y, _ = np.tile(local[spread_indices(len(local), BELOW_SAMPLES)], (len(BELOW), 1)).T
     heights = np.repeat(np.multiply(BELOW, low), len(x) // len(BELOW))
     hidden = whole.terrain.view.hides(np.stack([x, y, heights]), BEHIND_M)
     return low if 1 - hidden.mean() >= FREE_SHARE else 0.0
