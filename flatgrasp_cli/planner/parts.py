@@ -30,7 +30,7 @@ MIN_CELL_M = 0.002
 """Cells of height maps: the points' spacing, but no smaller than what matters to a finger."""
 HANGING_M, MOST_HANGING_M = 0.02, 0.04
 """What begins higher than this and is nowhere larger than that does not stand on what was not seen of it."""
-BELOW, FREE_SHARE, BELOW_SAMPLES = (0.25, 0.5), 0.75, 200
+BELOW, FREE_SHARE, BELOW_SAMPLES = (0.25, 0.5), 0.5, 200
 """Where it is looked for free space below an object, in shares of its height, and how much of it makes it hang."""
 
 

@@ -27,6 +27,9 @@ RING_M = 0.04
 """How far around a cluster the plane is looked for."""
 RIM_M = 0.015
 """An object's middle lies at least this far inside the convex hull of the plane: what stands at its edge is cut off."""
+EDGE_M, EDGE_RIPPLE_M = 0.03, 0.01
+"""A stereo camera matches windows of some 20 pixels, 30 mm at a metre: so near to the plane's edge they hold what lies
+beyond it, too, and the plane's own height is wrong by up to a centimetre."""
 MIN_POINTS = 30
 STRAY_M, STRAY_CELLS = 0.01, 3.0
 """A point with hardly another around it belongs to nothing: within a centimetre or two, or, in a sparse cloud, within
@@ -68,7 +71,7 @@ def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettin
         return None
     standing = _standing(raster, own, table, plane.noise_m, settings)
     labels = _labels(_bridged(standing, settings.gap_m / raster.grid.cell_m)) * standing
-    chosen = _objects(raster, labels, table, settings)
+    chosen = _objects(raster, labels, own, table, settings)
 
     # from here on only the points in cells that stand out, a few of all
     rows = np.flatnonzero(standing.take(raster.cell))
@@ -157,7 +160,9 @@ def _largest(mask: BoolArray) -> BoolArray:
     return np.asarray((labels == np.argmax(sizes)) & mask)
 
 
-def _objects(raster: Raster, labels: IntArray, table: BoolArray, settings: SceneSettings) -> list[int]:
+def _objects(
+    raster: Raster, labels: IntArray, heights: FloatArray, table: BoolArray, settings: SceneSettings
+) -> list[int]:
     """Names of the clusters that are objects, largest first: big enough, not too long, and amid the plane."""
     import shapely
 
@@ -167,7 +172,8 @@ def _objects(raster: Raster, labels: IntArray, table: BoolArray, settings: Scene
     cells = np.bincount(name_of)
     points = np.bincount(name_of, weights=raster.count.ravel()[cell])
     large = (cells * raster.grid.cell_m**2 >= settings.min_size_m**2) & (points >= MIN_POINTS)
-    amid = _hull(table).buffer(-RIM_M / raster.grid.cell_m)
+    hull = _hull(table)
+    amid, beyond_ripple = (hull.buffer(-margin / raster.grid.cell_m) for margin in (RIM_M, EDGE_M))
     found = []
     for name in np.flatnonzero(large).tolist():
         own = np.stack([row[name_of == name], column[name_of == name]])
@@ -175,6 +181,8 @@ def _objects(raster: Raster, labels: IntArray, table: BoolArray, settings: Scene
         if raster.grid.cell_m * np.hypot(*(high - low)) > settings.max_size_m:
             continue
         middle = own.mean(axis=1)
+        if heights[*own].max() < EDGE_RIPPLE_M and not shapely.contains_xy(beyond_ripple, *own).any():
+            continue
         if (
             shapely.contains_xy(amid, *middle)
             and _sectors(low, high, middle, table, RING_M / raster.grid.cell_m) >= MIN_SECTORS

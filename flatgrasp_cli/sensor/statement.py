@@ -25,7 +25,7 @@ def parse_sensor(text: str) -> Sensor | str:
         return Sensor("option")
     if text == "none":
         return Sensor("all_sides")
-    if "," not in text and not re.fullmatch(r"[-+.\d][-+.\deE]*|", text):
+    if "," not in text and not re.fullmatch(r"[-+.\d][-+.\d\seE]*|", text):
         return text.lstrip("/")
     try:
         place = [float(part) for part in text.split(",")]
