@@ -13,7 +13,7 @@ from flatgrasp_cli import read_clouds
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.model import Cloud
 from flatgrasp_cli.sources.selection import Moment, Selection
-from tests.conftest import Run
+from tests.conftest import SAMPLES, Run
 from tests.recordings import ROS2, START_NS, header2, transform2, write_messages
 
 S = 1_000_000_000
@@ -159,6 +159,12 @@ def test_the_sensor_is_the_frame_that_was_named(tmp_path: Path) -> None:
         assert codes(found) == []
     with pytest.raises(SourceError, match=r"^.*--sensor ear: no frame 'ear' in .*: base_link, eye, gripper$"):
         clouds(path, sensor_frame="ear")
+
+
+def test_only_a_recording_knows_the_sensors_frame(run: Run) -> None:
+    ended = run("plan", SAMPLES / "pan.pcd", "--sensor", "camera")
+    assert ended.code == 2
+    assert "--sensor camera: is the name of a frame, and only a recording can say where that is" in ended.err
 
 
 @pytest.mark.parametrize(
