@@ -15,15 +15,34 @@ from flatgrasp_cli.errors import UsageError
 
 if TYPE_CHECKING:
     from flatgrasp_cli.job import Job
-    from flatgrasp_cli.sources.selection import Selection
+    from flatgrasp_cli.sources.selection import DepthAxes, Selection
 
 
-def _positive(_context: click.Context, _parameter: click.Parameter, value: float) -> float:
-    if not 0 < value < math.inf:  # false for NaN, too
+def _positive(_context: click.Context, _parameter: click.Parameter, value: float | None) -> float | None:
+    if value is not None and not 0 < value < math.inf:  # false for NaN, too
         raise click.BadParameter(f"{value} is not a positive number")
     return value
 
 
+IMAGE_OPTIONS = (
+    click.option(
+        "--intrinsics",
+        metavar="FX,FY,CX,CY|FILE",
+        help="Of the camera of depth images: pixels, a ROS camera_info (YAML), or Open3D's JSON.",
+    ),
+    click.option(
+        "--depth-unit",
+        type=float,
+        callback=_positive,
+        metavar="METRES",
+        help="One count of depth images in metres; 0.001 for integers, 1 for floats if not given.",
+    ),
+    click.option(
+        "--depth-axes",
+        type=click.Choice(["optical", "body"]),
+        help="Of the frame of depth images: z forward, y down, or x forward, z up; else as names and transforms say.",
+    ),
+)
 OPTIONS = (
     click.option(
         "--gripper",
@@ -101,6 +120,7 @@ OPTIONS = (
     click.option("--every", metavar="N|SECONDSs", help="Every N-th frame (5), or one frame a period (0.5s)."),
     click.option("--count", type=click.IntRange(min=1), metavar="N", help="At most so many frames of each recording."),
     click.option("--strict", is_flag=True, help="The first damage in a recording is an error, not a warning."),
+    *IMAGE_OPTIONS,
     click.option(
         "--scale",
         type=float,
@@ -135,7 +155,20 @@ NAMES = (
         "camera_pose",
         "base_frame",
     ),
-    *("topic", "start", "end", "at", "every", "count", "strict", "scale", "top"),
+    *(
+        "topic",
+        "start",
+        "end",
+        "at",
+        "every",
+        "count",
+        "strict",
+        "intrinsics",
+        "depth_unit",
+        "depth_axes",
+        "scale",
+        "top",
+    ),
 )
 
 
@@ -206,7 +239,11 @@ def _selection(
     every: str | None,
     count: int | None,
     strict: bool,
+    intrinsics: str | None,
+    depth_unit: float | None,
+    depth_axes: DepthAxes | None,
 ) -> Selection:
+    from flatgrasp_cli.sources.intrinsics import parse_intrinsics
     from flatgrasp_cli.sources.selection import Every, Selection, parse_every, parse_moment
 
     if at is not None and (start, end, every, count) != (None, None, None, None):
@@ -219,4 +256,7 @@ def _selection(
         every=Every() if every is None else parse_every(every),
         count=count,
         strict=strict,
+        intrinsics=None if intrinsics is None else parse_intrinsics(intrinsics),
+        depth_unit_m=depth_unit,
+        depth_axes=depth_axes,
     )
