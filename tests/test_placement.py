@@ -154,7 +154,7 @@ def test_the_sensor_is_the_frame_that_was_named(tmp_path: Path) -> None:
     for base, height in ((None, 0.3), ("gripper", 0.0)):
         (found,) = clouds(path, sensor_frame="/eye", base_frame=base)
         known_from, position = sensor_of(found)
-        assert known_from == "transforms"
+        assert known_from == "option"
         np.testing.assert_allclose(position, np.array([0.1, 0, height]))
         assert codes(found) == []
     with pytest.raises(SourceError, match=r"^.*--sensor ear: no frame 'ear' in .*: base_link, eye, gripper$"):

@@ -14,6 +14,9 @@ from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 LARGEST_COORDINATE_M = 1e4
 """What lies farther from the origin than 10 km was not measured by anything that looks at objects."""
 
+SENSOR_FROM_TF = "sensor_from_tf"
+"""Code of the warning that holds only while the sensor is where the transforms have it."""
+
 KnownFrom = Literal[
     "option",
     "projection",

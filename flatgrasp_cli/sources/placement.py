@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
-from flatgrasp_cli.model import Cloud, CloudWarning, Sensor
+from flatgrasp_cli.model import SENSOR_FROM_TF, Cloud, CloudWarning, Sensor
 from flatgrasp_cli.sensor.frame_names import has_z_up, is_optical
 from flatgrasp_cli.sources.containers.recording import Message, Recording
 from flatgrasp_cli.sources.depth_axes import AXES_ASSUMED, axes_by_transforms, axes_matter, in_body_axes
@@ -145,7 +145,7 @@ class Placement:
             route = self._transforms.route(cloud.frame_id, frame, cloud, logged_ns)
         except MissingTransform as error:
             raise MissingTransform(f"--sensor {frame}: {error}") from error
-        return replace(cloud, sensor=Sensor("transforms", route.frame.origin)).warned(*route.warnings)
+        return replace(cloud, sensor=Sensor("option", route.frame.origin)).warned(*route.warnings)
 
     def _with_likely_sensor(self, cloud: Cloud, logged_ns: int) -> Cloud:
         """A robot's camera is the likely sensor of a cloud in the robot's base, if there is only one."""
@@ -160,7 +160,7 @@ class Placement:
         except MissingTransform:
             return cloud
         taken = CloudWarning(
-            "sensor_from_tf",
+            SENSOR_FROM_TF,
             f"the sensor was taken to be at {likely[0]}, as the transforms place it; --sensor states another place",
         )
         return replace(cloud, sensor=Sensor("transforms", route.frame.origin)).warned(taken, *route.warnings)
