@@ -80,7 +80,7 @@ def _found(cloud: Cloud, up: FloatArray | None, surface: Surface) -> tuple[Senso
     if at_origin == "seen" and not has_z_up(cloud.frame_id):
         return Sensor("visibility", np.zeros(3)), ()
     if at_origin == "seen" and _from_above(surface, Z_UP if up is None else up) != "seen":
-        text = "the frame's name says that z is up, but by its shape the cloud was seen from the origin and not from above"
+        text = "the frame's name says that z is up, but by its shape the cloud was seen from the origin"
         return Sensor("visibility", np.zeros(3)), (CloudWarning("sensor_found", f"{text}: {REMEDY}"),)
     return _looking_down(cloud, up, surface, at_origin)
 
