@@ -21,7 +21,7 @@ UPSIDE = "the hand comes from above, as the frame's name or --up says"
 def sheet() -> FloatArray:
     """A thin plate in a robot's frame, which can have been seen from either side."""
     points = Camera().sees(Box((0, 0, 0), (0.12, 0.05, 0.001))).points
-    return np.asarray(points + [0.1, 0.1, 0.6])
+    return np.asarray(points + np.array([0.1, 0.1, 0.6]))
 
 
 @pytest.fixture(scope="module")
