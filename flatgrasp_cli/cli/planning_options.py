@@ -14,7 +14,7 @@ from flatgrasp_cli.errors import UsageError
 
 if TYPE_CHECKING:
     from flatgrasp_cli.job import Job
-    from flatgrasp_cli.sources.selection import Selection
+    from flatgrasp_cli.sources.selection import DepthAxes, Selection
 
 
 def _positive(_context: click.Context, _parameter: click.Parameter, value: float | None) -> float | None:
@@ -35,6 +35,11 @@ IMAGE_OPTIONS = (
         callback=_positive,
         metavar="METRES",
         help="One count of depth images in metres; 0.001 for integers, 1 for floats if not given.",
+    ),
+    click.option(
+        "--depth-axes",
+        type=click.Choice(["optical", "body"]),
+        help="Of the frame of depth images: z forward, y down, or x forward, z up; else as names and transforms say.",
     ),
 )
 OPTIONS = (
@@ -140,7 +145,20 @@ NAMES = (
         "camera_pose",
         "base_frame",
     ),
-    *("topic", "start", "end", "at", "every", "count", "strict", "intrinsics", "depth_unit", "scale", "top"),
+    *(
+        "topic",
+        "start",
+        "end",
+        "at",
+        "every",
+        "count",
+        "strict",
+        "intrinsics",
+        "depth_unit",
+        "depth_axes",
+        "scale",
+        "top",
+    ),
 )
 
 
@@ -209,6 +227,7 @@ def _selection(
     strict: bool,
     intrinsics: str | None,
     depth_unit: float | None,
+    depth_axes: DepthAxes | None,
 ) -> Selection:
     from flatgrasp_cli.sources.intrinsics import parse_intrinsics
     from flatgrasp_cli.sources.selection import Every, Selection, parse_every, parse_moment
@@ -225,4 +244,5 @@ def _selection(
         strict=strict,
         intrinsics=None if intrinsics is None else parse_intrinsics(intrinsics),
         depth_unit_m=depth_unit,
+        depth_axes=depth_axes,
     )
