@@ -49,9 +49,7 @@ def parsed_rows(
         raise SourceError(f"{name}: the header declares {rows} rows, the file has {seen}; it is truncated")
 
 
-def read_columns(
-    file: BinaryIO, rows: int, columns: int, places: Sequence[int], name: str
-) -> FloatArray:
+def read_columns(file: BinaryIO, rows: int, columns: int, places: Sequence[int], name: str) -> FloatArray:
     """The numbers (len(places), rows) at these places of rows that have so many columns; see `parsed_rows`."""
 
     def parse(numbers: list[float]) -> list[float] | None:

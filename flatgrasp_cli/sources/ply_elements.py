@@ -122,9 +122,7 @@ def _read_text(file: BinaryIO, element: PlyElement, wanted: Sequence[int], name:
     return _grown(wanted, parsed_rows(file, element.count, parse, name, f"a {element.name} as its header says"))
 
 
-def _read_lists(
-    file: BinaryIO, element: PlyElement, wanted: Sequence[int], order: str, name: str
-) -> list[Column]:
+def _read_lists(file: BinaryIO, element: PlyElement, wanted: Sequence[int], order: str, name: str) -> list[Column]:
     begin = file.tell()
     data = file.read()
     table = _table(data, element, order)

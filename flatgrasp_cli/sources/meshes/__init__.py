@@ -5,10 +5,10 @@ faces, with indices beyond the vertices, or with all the memory there is, and no
 Open3D as a clean copy, and its triangles are counted.
 """
 
-from flatgrasp_cli.sources.meshes.gltf import read_gltf
+from flatgrasp_cli.sources.meshes.gltf import is_gltf, read_gltf
 from flatgrasp_cli.sources.meshes.mesh import polygon_cloud
-from flatgrasp_cli.sources.meshes.obj import read_obj
-from flatgrasp_cli.sources.meshes.off import read_off
-from flatgrasp_cli.sources.meshes.stl import read_stl
+from flatgrasp_cli.sources.meshes.obj import is_obj, read_obj
+from flatgrasp_cli.sources.meshes.off import is_off, read_off
+from flatgrasp_cli.sources.meshes.stl import is_stl, read_stl
 
-__all__ = ["polygon_cloud", "read_gltf", "read_obj", "read_off", "read_stl"]
+__all__ = ["is_gltf", "is_obj", "is_off", "is_stl", "polygon_cloud", "read_gltf", "read_obj", "read_off", "read_stl"]
