@@ -41,7 +41,9 @@ class DepthFiles:
         self._rays: FloatArray = np.empty((0, 2))
 
     def read(self, path: Path, source: Source) -> Cloud:
-        """The points of the depth image at `path` in its camera's frame: x right, y down, z forward unless asked otherwise.
+        """The points of the depth image at `path` in its camera's frame: x right, y down, z forward.
+
+        Where the selection asks for a body's axes, x is forward and z up.
 
         Raises
         ------
@@ -116,6 +118,6 @@ def _array(path: Path) -> NDArray[Any]:
             f"an array {raw.shape} of {raw.dtype} is no depth image; that is (height, width) of integers of 16 or more "
             "bits, or of floats"
         )
-    if raw.shape[1] in POINT_COLUMNS:
+    if raw.shape[1] in POINT_COLUMNS and raw.shape[0] > raw.shape[1]:
         raise MessageError(f"an array {raw.shape} is a list of points, no depth image; save it as PCD or PLY")
     return np.asarray(raw)

@@ -58,10 +58,7 @@ def read_gltf(file: BinaryIO, name: str, scale: float = 1.0, folder: Path | None
         raise SourceError(f"{name}: the glTF file is malformed: {error}") from error
     if expected == 0:
         raise SourceError(f"{name}: the glTF file has no triangles")
-    with tempfile.TemporaryDirectory(prefix="flatgrasp-") as temporary:
-        copy = Path(temporary, "clean.glb")
-        copy.write_bytes(clean)
-        mesh = load_open3d().t.io.read_triangle_mesh(str(copy))
+    mesh = _by_open3d(clean, name)
     found = len(mesh.triangle.indices) if "indices" in mesh.triangle else 0
     if found != expected:
         raise SourceError(
@@ -70,6 +67,17 @@ def read_gltf(file: BinaryIO, name: str, scale: float = 1.0, folder: Path | None
     corners = mesh.triangle.indices.numpy().astype(np.int64).reshape(-1)
     vertices = mesh.vertex.positions.numpy().astype(np.float64)
     return polygon_cloud(vertices, corners, np.full(found, 3), name, scale)
+
+
+def _by_open3d(clean: bytes, name: str) -> Any:
+    """Open3D's mesh of a GLB file."""
+    with tempfile.TemporaryDirectory(prefix="flatgrasp-") as folder:
+        copy = Path(folder, "clean.glb")
+        copy.write_bytes(clean)
+        try:
+            return load_open3d().t.io.read_triangle_mesh(str(copy))
+        except (IndexError, RuntimeError, MemoryError) as error:  # what it raises depends on where it fails
+            raise SourceError(f"{name}: Open3D cannot read the glTF file; it is damaged") from error
 
 
 def _parts(content: bytes) -> tuple[Json, bytes | None]:

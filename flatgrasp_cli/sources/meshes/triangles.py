@@ -26,21 +26,28 @@ def triangulated(vertices: FloatArray, corners: IntArray, sizes: IntArray, name:
         if size == 3:
             parts.append(polygons)
             continue
-        convex, flat = _shapes(vertices, polygons)
+        convex, flat = _shapes(vertices, polygons, name)
         parts.append(_fans(polygons[convex]))
         parts.extend(_concave(vertices, polygon, name) for polygon in polygons[~convex & ~flat])
     return np.vstack(parts) if parts else np.empty((0, 3), dtype=np.intp)
 
 
-def _shapes(vertices: FloatArray, polygons: IntArray) -> tuple[BoolArray, BoolArray]:
-    """Which polygons (k, size) are convex, and which have no area and so no shape at all."""
+def _shapes(vertices: FloatArray, polygons: IntArray, name: str) -> tuple[BoolArray, BoolArray]:
+    """Which polygons (k, size) are convex, and which have all corners on a line and so no shape at all."""
     places = vertices[polygons]
     edges = np.roll(places, -1, axis=1) - places
-    normals = np.cross(places - places[:, :1], np.roll(places, -1, axis=1) - places[:, :1]).sum(axis=1)
+    wedges = np.cross(places - places[:, :1], np.roll(places, -1, axis=1) - places[:, :1])
+    normals = wedges.sum(axis=1)
+    square, most = (normals**2).sum(axis=1), np.linalg.norm(wedges, axis=2).sum(axis=1) ** 2
+    flat = most <= 0
+    if (~flat & (square <= CONVEX_TOLERANCE * most)).any():  # one half of it takes away the other
+        raise _crossed(polygons.shape[1], name)
     turns = np.einsum("ijk,ik->ij", np.cross(edges, np.roll(edges, -1, axis=1)), normals)
-    square = (normals**2).sum(axis=1)
-    flat = square <= 0
     return np.asarray((turns >= -CONVEX_TOLERANCE * square[:, None]).all(axis=1) & ~flat), np.asarray(flat)
+
+
+def _crossed(corners: int, name: str) -> SourceError:
+    return SourceError(f"{name}: a face with {corners} corners crosses or touches itself; save the mesh with triangles")
 
 
 def _fans(polygons: IntArray) -> IntArray:
@@ -58,9 +65,7 @@ def _concave(vertices: FloatArray, polygon: IntArray, name: str) -> IntArray:
     flat = np.delete(places, np.abs(normal).argmax(), axis=1)
     outline = shapely.Polygon(flat)
     if not outline.is_valid:
-        raise SourceError(
-            f"{name}: a face with {len(polygon)} corners crosses or touches itself; save the mesh with triangles"
-        )
+        raise _crossed(len(polygon), name)
     corner_at = {tuple(place): corner for place, corner in zip(flat.tolist(), polygon.tolist(), strict=True)}
     pieces = shapely.get_parts(shapely.constrained_delaunay_triangles(outline))
     rings = shapely.get_coordinates(shapely.get_exterior_ring(pieces)).reshape(-1, 4, 2)[:, :3]
