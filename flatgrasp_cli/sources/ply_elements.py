@@ -167,7 +167,7 @@ def _table(data: bytes, element: PlyElement, order: str) -> NDArray[np.void] | N
 def _column(table: NDArray[np.void], place: int) -> Column:
     values = table[f"p{place}"]
     size = values.shape[1] if values.ndim > 1 else 1
-    return Column(values.reshape(-1), np.full(len(table), size, dtype=np.int64))
+    return Column(values.reshape(-1), np.broadcast_to(np.int64(size), len(table)))
 
 
 class _Walk:
