@@ -228,6 +228,7 @@ NO_DEPTH: dict[str, tuple[bytes, str]] = {
     "npy-cut": (FILES["npy"][:-2], ".npy"),
     "npy-immense": (claimed_npy((10**9, 10**9)), ".npy"),
     "npy-magic-alone": (b"\x93NUMPY", ".npy"),
+    "npy-header": (FILES["npy"].replace(b"}", b"("), ".npy"),
     "npy-objects": (encoded(np.array([[{}]]), ".npy"), ".npy"),
 }
 

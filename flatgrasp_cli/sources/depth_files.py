@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
+from tokenize import TokenError
 from typing import Any
 
 import numpy as np
@@ -17,6 +19,7 @@ from flatgrasp_cli.sources.messages.depth_image import MILLIMETRE, DepthImage
 from flatgrasp_cli.sources.messages.depth_unit import unit_warning
 from flatgrasp_cli.sources.messages.png import PNG_MAGIC, decode_png
 from flatgrasp_cli.sources.selection import Selection
+from flatgrasp_cli.sources.text_lines import shown
 from flatgrasp_cli.sources.tiff import MAGICS as TIFF_MAGICS
 from flatgrasp_cli.sources.tiff import decode_tiff
 
@@ -25,6 +28,8 @@ NPY_MAGIC = b"\x93NUMPY"
 MOST_PIXELS = 2**24
 """Sixteen million: no depth camera has more, and a point takes a hundred bytes on its way."""
 POINT_COLUMNS = (3, 4, 6)
+UNREADABLE = (ValueError, EOFError, OverflowError, MemoryError, SyntaxError, TypeError, TokenError)
+"""What numpy raises where a header, which is Python, is none."""
 
 
 def is_depth_file(head: bytes) -> bool:
@@ -109,10 +114,11 @@ def _image(path: Path) -> NDArray[Any]:
 
 def _array(path: Path) -> NDArray[Any]:
     try:  # mapped, so that nothing is allocated for what a header claims
-        raw = np.load(path, mmap_mode="r", allow_pickle=False)
-    except (ValueError, EOFError, OverflowError, MemoryError, SyntaxError, TypeError) as error:
-        reason = str(error).partition("\n")[0]
-        raise MessageError(f"the .npy file cannot be read: {reason}") from error
+        with warnings.catch_warnings():  # of headers that Python 2 wrote
+            warnings.simplefilter("ignore")
+            raw = np.load(path, mmap_mode="r", allow_pickle=False)
+    except UNREADABLE as error:
+        raise MessageError(f"the .npy file is broken: {shown(str(error).partition(chr(10))[0])}") from error
     if raw.ndim != 2 or raw.dtype.kind not in "iuf" or raw.dtype.itemsize < 2:
         raise MessageError(
             f"an array {raw.shape} of {raw.dtype} is no depth image; that is (height, width) of integers of 16 or more "

@@ -15,7 +15,7 @@ import numpy as np
 
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion
-from flatgrasp_cli.sources.text_lines import ends_in_cr, read_line, skip_byte_order_mark
+from flatgrasp_cli.sources.text_lines import ends_in_cr, read_line, shown, skip_byte_order_mark
 
 BEGINNING = re.compile(rb"\s*(#|VERSION|FIELDS|COLUMNS)", re.IGNORECASE)
 FIELDS_LINE = re.compile(rb"(^|[\r\n])[ \t]*(FIELDS|COLUMNS)\s", re.IGNORECASE)
@@ -104,13 +104,13 @@ def read_pcd_header(file: BinaryIO, name: str) -> PcdHeader:
     except KeyError as error:
         raise SourceError(f"{name}: the PCD header has no {error.args[0]} line") from error
     except (ValueError, IndexError) as error:
-        raise SourceError(f"{name}: the PCD header is malformed: {error}") from error
+        raise SourceError(f"{name}: the PCD header is malformed: {shown(error)}") from error
     _check_axes(header, name)
     header = _with_counts(file, header)
     wrong = [kind for kind, count in zip(header.types, header.counts, strict=True) if count and kind not in LEGAL_TYPES]
     if wrong:
         raise SourceError(
-            f"{name}: the PCD header has a field of TYPE {wrong[0][:1]} and SIZE {wrong[0][1:]}; legal are F 4, F 8, "
+            f"{name}: the PCD header has a field of TYPE and SIZE {shown(wrong[0])}; legal are F 4, F 8, "
             "and I or U with 1, 2, 4, 8"
         )
     return header
@@ -179,7 +179,9 @@ def _places(fields: tuple[str, ...], axis: str) -> list[int]:
 
 def _check_axes(header: PcdHeader, name: str) -> None:
     if any(len(_places(header.fields, axis)) != 1 for axis in "xyz"):
-        raise SourceError(f"{name}: needs one field each of x, y and z; its fields are: {' '.join(header.fields)}")
+        raise SourceError(
+            f"{name}: needs one field each of x, y and z; its fields are: {shown(' '.join(header.fields))}"
+        )
     if any(header.counts[place] > 1 for place in header.axes):
         raise SourceError(f"{name}: the fields x, y and z must have COUNT 1")
 

@@ -20,7 +20,7 @@ from flatgrasp_cli.sources.ascii_rows import more_rows, read_columns
 from flatgrasp_cli.sources.pcd_header import PcdHeader, check_pcd_data, read_pcd_header
 from flatgrasp_cli.sources.ply_elements import Column, read_element
 from flatgrasp_cli.sources.ply_header import PlyElement, PlyHeader, read_ply_header
-from flatgrasp_cli.sources.text_lines import with_lf
+from flatgrasp_cli.sources.text_lines import shown, with_lf
 
 MORE_POINTS = CloudWarning(
     "more_points_than_declared",
@@ -110,7 +110,7 @@ def _wanted(element: PlyElement, name: str) -> list[int]:
     if element.name == "face":
         if not lists:
             names = " ".join(item.name for item in element.properties)
-            raise SourceError(f"{name}: its faces have no list vertex_indices; they have: {names}")
+            raise SourceError(f"{name}: its faces have no list vertex_indices; they have: {shown(names)}")
         return lists[:1]
     scalars = {item.name: place for place, item in enumerate(element.properties) if not item.count_code}
     if element.name == "camera" and element.count == 1 and all(each in scalars for each in CAMERA_PLACE):

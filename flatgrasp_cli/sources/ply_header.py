@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import BinaryIO
 
 from flatgrasp_cli.errors import SourceError
-from flatgrasp_cli.sources.text_lines import ends_in_cr, read_line, skip_byte_order_mark
+from flatgrasp_cli.sources.text_lines import ends_in_cr, read_line, shown, skip_byte_order_mark
 
 BEGINNING = re.compile(rb"ply[ \t]*[\r\n]", re.IGNORECASE)
 MAX_LINES = 1000
@@ -88,15 +88,15 @@ def read_ply_header(file: BinaryIO, name: str) -> PlyHeader:
     try:
         form, elements = _parse(_header_lines(file, name, cr))
     except (ValueError, IndexError) as error:
-        raise SourceError(f"{name}: the PLY header is malformed: {error}") from error
+        raise SourceError(f"{name}: the PLY header is malformed: {shown(error)}") from error
     header = PlyHeader(form, elements, cr)
     vertices = [element for element in elements if element.name == "vertex"]
     if len(vertices) != 1:
-        raise SourceError(f"{name}: the PLY file has no vertices; its elements: {[e.name for e in elements]}")
+        raise SourceError(f"{name}: the PLY file has no vertices; its elements: {shown([e.name for e in elements])}")
     axes = [vertices[0].places(axis) for axis in "xyz"]
     if any(len(places) != 1 or vertices[0].properties[places[0]].count_code for places in axes):
         names = " ".join(item.name for item in vertices[0].properties)
-        raise SourceError(f"{name}: the vertices need one property each of x, y and z; they have: {names}")
+        raise SourceError(f"{name}: the vertices need one property each of x, y and z; they have: {shown(names)}")
     return header
 
 

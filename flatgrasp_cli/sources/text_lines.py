@@ -5,6 +5,10 @@ from __future__ import annotations
 import io
 from typing import BinaryIO
 
+from flatgrasp_cli.sources.containers import printable
+
+SHOWN = 100
+"""Characters of a file's own words that an error repeats."""
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 SNIFFED_BYTES = 65_536
 
@@ -40,3 +44,9 @@ def read_line(file: BinaryIO, most: int, *, cr: bool) -> bytes:
 def with_lf(file: BinaryIO, *, cr: bool) -> BinaryIO:
     """The rest of a text file, with lines that end in LF."""
     return io.BytesIO(file.read().replace(b"\r", b"\n")) if cr else file
+
+
+def shown(words: object) -> str:
+    """Words of a file, or an error about them, as they may be shown: printable, and not without end."""
+    text = printable(str(words))
+    return text if len(text) <= SHOWN else text[:SHOWN] + "…"

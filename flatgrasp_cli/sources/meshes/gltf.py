@@ -21,6 +21,7 @@ from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.model import Cloud
 from flatgrasp_cli.open3d_door import load_open3d
 from flatgrasp_cli.sources.meshes.mesh import polygon_cloud
+from flatgrasp_cli.sources.text_lines import shown
 
 MAGIC = b"glTF"
 HEADER = struct.Struct("<4sII")
@@ -55,7 +56,7 @@ def read_gltf(file: BinaryIO, name: str, scale: float = 1.0, folder: Path | None
     except SourceError as error:
         raise SourceError(f"{name}: {error}") from error
     except (LookupError, TypeError, ValueError, AttributeError, RecursionError, struct.error) as error:
-        raise SourceError(f"{name}: the glTF file is malformed: {error}") from error
+        raise SourceError(f"{name}: the glTF file is malformed: {shown(error)}") from error
     if expected == 0:
         raise SourceError(f"{name}: the glTF file has no triangles")
     mesh = _by_open3d(clean, name)
