@@ -221,6 +221,7 @@ NO_DEPTH: dict[str, tuple[bytes, str]] = {
     "tiff-no-pixels": (tiff(width=4, height=2, bits=16, compression=5), "broken"),
     "tiff-immense": (tiff(width=2**31, height=2**31, bits=64), "cannot hold"),
     "tiff-immense-packed": (tiff(width=60_000, height=60_000, bits=64, compression=8), "cannot hold"),
+    "tiff-too-large": (tiff(width=10_000, height=10_000, bits=16, compression=8) + bytes(10**5), "more than"),
     "npy-colour": (encoded(COLOURS, ".npy"), "no depth"),
     "npy-8-bit": (encoded(COUNTS.astype(np.uint8), ".npy"), "no depth"),
     "npy-complex": (encoded(COUNTS.astype(np.complex64), ".npy"), "no depth"),

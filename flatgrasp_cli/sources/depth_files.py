@@ -17,11 +17,11 @@ from flatgrasp_cli.sources.depth_axes import in_body_axes
 from flatgrasp_cli.sources.messages import MessageError
 from flatgrasp_cli.sources.messages.depth_image import MILLIMETRE, DepthImage
 from flatgrasp_cli.sources.messages.depth_unit import unit_warning
-from flatgrasp_cli.sources.messages.png import PNG_MAGIC, decode_png
+from flatgrasp_cli.sources.messages.png import PNG_MAGIC, decode_png, png_size
 from flatgrasp_cli.sources.selection import Selection
 from flatgrasp_cli.sources.text_lines import shown
 from flatgrasp_cli.sources.tiff import MAGICS as TIFF_MAGICS
-from flatgrasp_cli.sources.tiff import decode_tiff
+from flatgrasp_cli.sources.tiff import decode_tiff, tiff_size
 
 SUFFIXES = (".png", ".tif", ".tiff", ".npy")
 NPY_MAGIC = b"\x93NUMPY"
@@ -104,12 +104,20 @@ def _image(path: Path) -> NDArray[Any]:
         magic = file.read(len(PNG_MAGIC))
     if magic.startswith(NPY_MAGIC):
         raw = _array(path)
-    else:
-        data = path.read_bytes()
-        raw = decode_png(np.frombuffer(data, np.uint8)) if magic == PNG_MAGIC else decode_tiff(data)
-    if raw.size > MOST_PIXELS:
-        raise MessageError(f"the image has {raw.shape[1]} × {raw.shape[0]} pixels, more than {MOST_PIXELS}")
-    return raw
+        _check_size(raw.shape[1], raw.shape[0])
+        return raw
+    data = path.read_bytes()
+    if magic == PNG_MAGIC:
+        pixels = np.frombuffer(data, np.uint8)
+        _check_size(*png_size(pixels))
+        return decode_png(pixels)
+    _check_size(*tiff_size(data))
+    return decode_tiff(data)
+
+
+def _check_size(width: int, height: int) -> None:
+    if width * height > MOST_PIXELS:
+        raise MessageError(f"the image has {width} × {height} pixels, more than {MOST_PIXELS}")
 
 
 def _array(path: Path) -> NDArray[Any]:

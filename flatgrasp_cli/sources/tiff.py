@@ -24,13 +24,13 @@ MOST_RATIO = 4096
 """No byte of a compressed TIFF stands for more bytes of its image: LZW's codes of twelve bits are the densest."""
 
 
-def decode_tiff(data: bytes) -> NDArray[Any]:
-    """The image (height, width) of the first page: integers of 16 bits, or floats.
+def tiff_size(data: bytes) -> tuple[int, int]:
+    """Width and height of the first page, after a look at whether it can be depth and the file can hold it.
 
     Raises
     ------
     MessageError
-        If it is cut off, has colours, or is of a kind that OpenCV does not read.
+        If it has colours, or too few bits or bytes.
     """
     tags = _first_page(data)
     width, height, bits = tags.get(WIDTH, 0), tags.get(HEIGHT, 0), tags.get(BITS, 1)
@@ -41,18 +41,26 @@ def decode_tiff(data: bytes) -> NDArray[Any]:
     ratio = 1 if tags.get(COMPRESSION, UNCOMPRESSED) == UNCOMPRESSED else MOST_RATIO
     if min(width, height) < 1 or width * height * bits // 8 > len(data) * ratio:
         raise MessageError(f"the TIFF has {len(data)} bytes, which cannot hold {width} × {height} pixels")
-    return _decoded(data, (height, width))
+    return width, height
 
 
-def _decoded(data: bytes, shape: tuple[int, int]) -> NDArray[Any]:
+def decode_tiff(data: bytes) -> NDArray[Any]:
+    """The image (height, width) of the first page: integers of 16 or 32 bits, or floats.
+
+    Raises
+    ------
+    MessageError
+        If it is broken or of a kind that OpenCV does not read.
+    """
     import cv2
 
+    width, height = tiff_size(data)
     with _quiet():
         try:
             raw = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
         except cv2.error:
             raw = None
-    if raw is None or raw.shape != shape:
+    if raw is None or raw.shape != (height, width):
         raise MessageError("the TIFF is broken, or of a kind that OpenCV does not read")
     return np.asarray(raw)
 
