@@ -286,6 +286,8 @@ BROKEN: dict[str, tuple[bytes, str]] = {
     "stl-text-no-end": (stl_text(*BOX).replace(b"endsolid made by a test\n", b""), "truncated"),
     "stl-text-word": (stl_text(*BOX).replace(b"vertex 0.0 ", b"vertex zero ", 1), "line"),
     "stl-text-two-corners": (stl_text(*BOX).replace(b"      vertex 0.0 0.0 0.0\n", b"", 1), "corners"),
+    "stl-signalling-nan": (stl(*BOX)[:96] + b"\x01\0\x80\x7f" + stl(*BOX)[100:], "finite"),
+    "glb-infinite-count": (with_accessor(1, count=float("inf")), "malformed"),
     "stl-no-triangles": (stl(CORNERS, BOX_FACES)[:80] + bytes(4), "no triangles"),
     "obj-index-0": (obj(CORNERS, [[-1, 0, 1]]), "line"),
     "obj-two-corners": (obj(CORNERS, [[0, 1]]), "line"),

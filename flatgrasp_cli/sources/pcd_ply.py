@@ -92,7 +92,8 @@ def read_ply(file: BinaryIO, name: str, scale: float = 1.0) -> Cloud:
         from flatgrasp_cli.sources.meshes import polygon_cloud
 
         (faces,) = found["face"]
-        corners = np.stack(vertices, axis=1).astype(np.float64)
+        with np.errstate(invalid="ignore"):  # NaN of some kinds warn when they are converted
+            corners = np.stack(vertices, axis=1)
         return polygon_cloud(corners, faces.values, faces.sizes, name, scale)
     cloud = _seen_by(found.get("camera"), vertices, name, scale)
     return cloud.warned(MORE_POINTS) if _goes_on(text, header) else cloud

@@ -30,6 +30,8 @@ UNREADABLE = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_mesh
 FLOAT = 5126
 TRIANGLES, STRIP, FAN = 4, 5, 6
 DEEPEST = 500
+MALFORMED = (LookupError, TypeError, ValueError, OverflowError, AttributeError, RecursionError, struct.error)
+"""What comes of entries that are missing, of another type, or out of range."""
 MOST_TRIANGLES = 5_000_000
 """One mesh may be shown a million times."""
 Json = dict[str, Any]
@@ -55,7 +57,7 @@ def read_gltf(file: BinaryIO, name: str, scale: float = 1.0, folder: Path | None
         clean, expected = _clean(document, buffers)
     except SourceError as error:
         raise SourceError(f"{name}: {error}") from error
-    except (LookupError, TypeError, ValueError, AttributeError, RecursionError, struct.error) as error:
+    except MALFORMED as error:
         raise SourceError(f"{name}: the glTF file is malformed: {shown(error)}") from error
     if expected == 0:
         raise SourceError(f"{name}: the glTF file has no triangles")
@@ -66,8 +68,7 @@ def read_gltf(file: BinaryIO, name: str, scale: float = 1.0, folder: Path | None
             f"{name}: the glTF file declares {expected} triangles, Open3D could read {found} of them; it is damaged"
         )
     corners = mesh.triangle.indices.numpy().astype(np.int64).reshape(-1)
-    vertices = mesh.vertex.positions.numpy().astype(np.float64)
-    return polygon_cloud(vertices, corners, np.full(found, 3), name, scale)
+    return polygon_cloud(mesh.vertex.positions.numpy(), corners, np.full(found, 3), name, scale)
 
 
 def _by_open3d(clean: bytes, name: str) -> Any:

@@ -27,7 +27,7 @@ SIZE_WARNING = CloudWarning(
 
 
 def polygon_cloud(
-    vertices: FloatArray, corners: NDArray[np.number], sizes: IntArray, name: str, scale: float = 1.0
+    vertices: NDArray[np.number], corners: NDArray[np.number], sizes: IntArray, name: str, scale: float = 1.0
 ) -> Cloud:
     """The surface of polygons over `vertices` (n, 3); without polygons, the vertices.
 
@@ -40,17 +40,19 @@ def polygon_cloud(
     """
     if len(vertices) == 0:
         raise SourceError(f"{name}: the file has no vertices")
+    with np.errstate(invalid="ignore", over="ignore"):  # NaN of some kinds warn when they are converted
+        places: FloatArray = scale * vertices.astype(np.float64)
     if len(sizes) == 0:
-        return Cloud(scale * vertices, source=Source(name))
+        return Cloud(places, source=Source(name))
     whole = corners.astype(np.intp) if _in_range(corners, len(vertices)) else None
     if whole is None:
         wrong = corners[~((corners >= 0) & (corners < len(vertices)) & (corners == np.floor(corners)))][0]
         raise SourceError(f"{name}: a face names vertex {wrong:g}, counted from 0; there are {len(vertices)} vertices")
-    used = np.abs(scale * vertices[np.unique(whole)])
-    if not (used <= LARGEST_COORDINATE_M).all():
+    used = np.zeros(len(vertices), dtype=np.bool_)
+    used[whole] = True
+    if not (np.abs(places[used]) <= LARGEST_COORDINATE_M).all():
         raise SourceError(f"{name}: a face has a corner that is not finite, or farther away than 10 km")
-    triangles = triangulated(vertices, whole, sizes, name)
-    points = sampled_surface(scale * vertices[triangles], name)
+    points = sampled_surface(places[triangulated(places, whole, sizes, name)], name)
     warnings = (SIZE_WARNING,) if np.ptp(points, axis=0).max() > UNLIKELY_SIZE_M else ()
     sensor = Sensor("all_sides", None, np.array([0.0, 0.0, 1.0]))
     return Cloud(points, source=Source(name), sensor=sensor, warnings=warnings)

@@ -47,8 +47,7 @@ def read_stl(file: BinaryIO, name: str, scale: float = 1.0) -> Cloud:
     head = file.read(4096)
     file.seek(0)
     if _is_binary(head, size):
-        places = np.frombuffer(file.read(), dtype=RECORD, offset=HEADER.size)["corners"]
-        vertices = places.reshape(-1, 3).astype(np.float64)
+        vertices = np.frombuffer(file.read(), dtype=RECORD, offset=HEADER.size)["corners"].reshape(-1, 3)
     elif _is_text(head):
         vertices = _text_vertices(file, name)
     else:

@@ -21,7 +21,7 @@ def triangulated(vertices: FloatArray, corners: IntArray, sizes: IntArray, name:
     """
     begins = np.cumsum(sizes) - sizes
     parts: list[IntArray] = []
-    for size in np.unique(sizes[sizes >= 3]):
+    for size in np.flatnonzero(np.bincount(sizes[sizes >= 3])):
         polygons = corners[begins[sizes == size][:, None] + np.arange(size)]
         if size == 3:
             parts.append(polygons)
