@@ -6,7 +6,7 @@ import struct
 from pathlib import Path
 from typing import Any
 
-import lz4.frame
+import lz4.frame  # type: ignore[import-untyped,unused-ignore]
 import numpy as np
 import pytest
 from rosbags.rosbag1 import Writer as Ros1Writer

@@ -150,6 +150,7 @@ def test_quaternions_are_normalised_and_only_beyond_rounding_is_that_told() -> N
     [
         ({"quaternion": (0, 0, 0, 0)}, "its quaternion is 0 0 0 0"),
         ({"xyz": (np.nan, 0, 0)}, "its translation is not finite"),
+        ({"xyz": (0, 1e300, 0)}, "its translation is beyond all places"),
         ({"quaternion": (0, 0, np.inf, 1)}, "its quaternion is not finite"),
     ],
 )

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from flatgrasp_cli.cli.outputs import Names, writing
+from flatgrasp_cli.cli.outputs import Names, Warnings, writing
 from flatgrasp_cli.cli.planning_options import planning_options
 
 if TYPE_CHECKING:
@@ -61,8 +61,11 @@ def _outlines(source: str, job: Job) -> Iterator[Outline]:
         exact = {"tolerance_m": 0.0, "noise_m": 0.0, "told_apart_m": 0.0, "max_vertices": 1000}
         yield source, None, read_polygon(source), caging.model_copy(update=exact)
         return
+    warnings = Warnings()
     for cloud, _ in job.clouds(source):
-        for item in job.plan(cloud).objects:
+        plan = job.plan(cloud)
+        warnings.tell(plan)
+        for item in plan.objects:
             outline = item.trace.silhouette
             yield str(cloud.source), item.object.id, outline.loops if outline else (), caging
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from flatgrasp_cli.cli.outputs import Names, writing
+from flatgrasp_cli.cli.outputs import Names, Warnings, writing
 from flatgrasp_cli.cli.planning_options import planning_options
 
 if TYPE_CHECKING:
@@ -31,11 +31,13 @@ def command(sources: tuple[str, ...], job: Job, out: Path | None, as_json: bool)
     from flatgrasp_cli.comparison import compare
     from flatgrasp_cli.results.document import to_json
 
-    names, rows = Names(), []
+    names, warnings, rows = Names(), Warnings(), []
     for source in sources:
         stem = names.of_source(source)
         for cloud, _ in job.clouds(source):
-            for pair in compare(job.plan(cloud)):
+            plan = job.plan(cloud)
+            warnings.tell(plan)
+            for pair in compare(plan):
                 row = _row(str(cloud.source), pair)
                 rows.append(row)
                 if as_json:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import wraps
 from typing import TYPE_CHECKING, Any
 
@@ -54,7 +55,15 @@ OPTIONS = (
         help="Which objects of a scene to plan: nearest to the sensor, largest, or nearest to a place.",
     ),
     click.option(
-        "--up", metavar="X,Y,Z", help="Direction of the support plane's normal; else the biggest plane in view."
+        "--up",
+        metavar="X,Y,Z",
+        help="The way up in the frame of the answer: normal of the support plane, and the side the hand comes from.",
+    ),
+    click.option(
+        "--sensor",
+        metavar="X,Y,Z|FRAME|above|none",
+        help="Where the sensor was: a place in the frame of the answer, a frame of the recording, above, or in several "
+        "places (merged clouds); else found, or assumed with a warning.",
     ),
     click.option("--crop", metavar="XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX", help="Region of interest in metres."),
     click.option(
@@ -112,6 +121,7 @@ NAMES = (
         "scene",
         "select",
         "up",
+        "sensor",
         "crop",
         "prefer",
         "require",
@@ -157,6 +167,7 @@ def _job(
     scene: str | None,
     select: str | None,
     up: str | None,
+    sensor: str | None,
     crop: str | None,
     prefer: str | None,
     require: str | None,
@@ -171,17 +182,20 @@ def _job(
     from flatgrasp_cli.job import Job
     from flatgrasp_cli.mounting import mounting
     from flatgrasp_cli.profiles import load_gripper, load_settings
+    from flatgrasp_cli.sensor.statement import parse_sensor
 
     asked = {"scene.mode": scene, "scene.select": _list(select), "scene.up": _list(up), "scene.crop": _list(crop)}
     asked |= {"caging.prefer": prefer, "caging.closing": closing, "caging.require": "true" if require else None}
     shortcuts = tuple(f"{key}={value}" for key, value in asked.items() if value is not None)
+    stated = None if sensor is None else parse_sensor(sensor)
     return Job(
-        load_gripper(gripper),
-        load_settings(method, (*shortcuts, *overrides)),
-        mounting(robot, camera_pose, base_frame),
-        _selection(**frames),
-        scale,
-        top,
+        gripper=load_gripper(gripper),
+        settings=load_settings(method, (*shortcuts, *overrides)),
+        mounting=mounting(robot, camera_pose, base_frame),
+        selection=replace(_selection(**frames), sensor_frame=stated if isinstance(stated, str) else None),
+        sensor=None if isinstance(stated, str) else stated,
+        scale=scale,
+        top=top,
     )
 
 

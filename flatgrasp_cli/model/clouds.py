@@ -160,17 +160,15 @@ class Cloud:
             object.__setattr__(self, "viewpoint", _place(self.viewpoint))
         lost = _not_measured(points)
         if len(lost):
-            self._drop(lost)
+            rest = self.without(lost)
+            for name in ("points", "dropped", "colors", "pixels"):
+                object.__setattr__(self, name, getattr(rest, name))
 
-    def _drop(self, lost: IntArray) -> None:
-        """Take out the points `lost` (k,), and count them."""
+    def without(self, lost: IntArray) -> Cloud:
+        """The cloud without the points in the rows `lost` (k,), which count as dropped."""
         keep = np.ones(len(self.points), dtype=np.bool_)
         keep[lost] = False
-        rest = {"points": self.points[keep], "dropped": self.dropped + len(lost)}
-        rest |= {} if self.colors is None else {"colors": self.colors[keep]}
-        rest |= {} if self.pixels is None else {"pixels": self.pixels.select(keep)}
-        for name, value in rest.items():
-            object.__setattr__(self, name, value)
+        return replace(self.select(keep), dropped=self.dropped + len(lost))
 
     def select(self, keep: BoolArray) -> Cloud:
         """The points (n,) that `keep` names."""

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, BinaryIO
 
-from flatgrasp_cli.errors import SourceError
+from flatgrasp_cli.errors import SourceError, UsageError
 from flatgrasp_cli.model import Cloud
 from flatgrasp_cli.sources.remote import copy_url, is_url
 from flatgrasp_cli.sources.selection import EVERYTHING, Selection
@@ -44,7 +44,7 @@ def read_clouds(
     SourceError
         If the source is missing, is no cloud, or contradicts its own header.
     UsageError
-        If a depth image is given without its camera's intrinsics.
+        If a depth image is given without its camera's intrinsics, or a file is to say where a frame is.
     """
     from flatgrasp_cli.sources.containers import is_recording
     from flatgrasp_cli.sources.files import read_file
@@ -53,12 +53,18 @@ def read_clouds(
     name = os.fspath(source)
     with on_disk(name) as path:
         label = "stdin" if name == STDIN else name
-        if path.is_dir() and kind_of_folder(path, label) == "images":
-            yield from folder_images(path, label, scale, selection)
-        elif is_recording(path):
+        are_images = path.is_dir() and kind_of_folder(path, label) == "images"
+        if not are_images and is_recording(path):
             from flatgrasp_cli.sources.frames import recorded_clouds
 
             yield from recorded_clouds(path, label, scale, selection)
+        elif selection.sensor_frame is not None:
+            raise UsageError(
+                f"{label}: --sensor {selection.sensor_frame}: is the name of a frame, and only a recording can say "
+                "where that is; give the place X,Y,Z, above, or none"
+            )
+        elif are_images:
+            yield from folder_images(path, label, scale, selection)
         else:
             yield read_file(path, label, scale, selection)
 

@@ -68,7 +68,8 @@ class RecordedTransforms:
             if cloud.frame_id in self.buffer.frames():
                 raise
             raise MissingTransform(  # the frame itself is there, for the cloud is in it
-                f"no transform of this recording leads to or from {cloud.frame_id!r}, the frame of the clouds; {REMEDY}"
+                f"no transform from {source} to {target}: none names {cloud.frame_id!r}, the frame of the clouds; "
+                f"{self.buffer.listed()}; {REMEDY}"
             ) from error
         self.buffer.forget_before(stamp_ns - KEPT_NS, logged_ns - KEPT_NS)
         return route
@@ -119,8 +120,7 @@ class Placement:
         if depth:
             cloud = self._with_axes(cloud, logged_ns)
         if self._selection.sensor_frame is not None:
-            route = self._transforms.route(cloud.frame_id, self._selection.sensor_frame, cloud, logged_ns)
-            cloud = replace(cloud, sensor=Sensor("transforms", route.frame.origin)).warned(*route.warnings)
+            cloud = self._with_stated_sensor(cloud, self._selection.sensor_frame, logged_ns)
         elif self._has_transforms and cloud.sensor is None and cloud.viewpoint is None and has_z_up(cloud.frame_id):
             cloud = self._with_likely_sensor(cloud, logged_ns)
         base = self._selection.base_frame
@@ -139,6 +139,13 @@ class Placement:
         if axes is None and axes_matter(cloud.frame_id, based=based):
             return cloud.warned(AXES_ASSUMED)
         return in_body_axes(cloud) if axes == "body" else cloud
+
+    def _with_stated_sensor(self, cloud: Cloud, frame: str, logged_ns: int) -> Cloud:
+        try:
+            route = self._transforms.route(cloud.frame_id, frame, cloud, logged_ns)
+        except MissingTransform as error:
+            raise MissingTransform(f"--sensor {frame}: {error}") from error
+        return replace(cloud, sensor=Sensor("transforms", route.frame.origin)).warned(*route.warnings)
 
     def _with_likely_sensor(self, cloud: Cloud, logged_ns: int) -> Cloud:
         """A robot's camera is the likely sensor of a cloud in the robot's base, if there is only one."""

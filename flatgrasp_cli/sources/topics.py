@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -11,6 +12,8 @@ from flatgrasp_cli.sources.messages import CLOUD_TYPES, IMAGE_TYPES, LOSSY, is_d
 
 LEGACY = "sensor_msgs/msg/PointCloud"
 LISTED = 40
+NO_DEPTH = frozenset({"ir", "infra", "infrared", "amplitude", "intensity", "confidence"})
+"""Words of topics whose images have depth's encodings and hold something else."""
 
 
 def choose_topic(recording: Recording, wanted: str | None, name: str) -> Topic:
@@ -43,8 +46,13 @@ def choose_topic(recording: Recording, wanted: str | None, name: str) -> Topic:
 
 
 def depth_topics(recording: Recording) -> list[Topic]:
-    """The image topics whose first message is a depth image; the encoding alone tells."""
-    return [topic for topic in recording.topics if _begins_with(recording, topic, is_depth)]
+    """The image topics whose first message is a depth image by its encoding, and whose name does not say otherwise."""
+    return [
+        topic
+        for topic in recording.topics
+        if ("depth" in topic.name.lower() or NO_DEPTH.isdisjoint(re.split("[^a-z]+", topic.name.lower())))
+        and _begins_with(recording, topic, is_depth)
+    ]
 
 
 def _begins_with(recording: Recording, topic: Topic, kind: Callable[[Any], bool]) -> bool:

@@ -74,6 +74,10 @@ class TransformBuffer:
         ignored = ({read.parent, read.child} for read in self._ignored.values())
         return tuple(sorted(set().union(self._links, *parents, *ignored)))
 
+    def listed(self) -> str:
+        """The frames in words, the first ones if they are many."""
+        return f"frames in this recording: {_short(self.frames())}"
+
     def lookup(self, target: str, source: str, stamp_ns: int, logged_ns: int | None = None) -> Frame:
         """The frame `source` in `target`: its `to_world` turns points in source into points in target; see `route`."""
         return self.route(target, source, stamp_ns, logged_ns).frame
@@ -158,7 +162,7 @@ class TransformBuffer:
         frames, up, down = self.frames(), attempt.up, attempt.down
         for name in (target, source):
             if name not in frames:
-                return MissingTransform(f"no frame {name!r} in this recording; {_listed(frames)}")
+                return MissingTransform(f"no frame {name!r} in this recording; {self.listed()}")
         head = f"no transform from {source} to {target}: "
         circle = next((chain for chain in (up, down) if chain.circle is not None), None)
         if circle is not None and circle.circle is not None:
@@ -174,7 +178,7 @@ class TransformBuffer:
         path = " ← ".join(up.poses)
         known = f"{path} is known and ends there" if len(up.poses) > 1 else f"{source} has no parent"
         tree = [name for name in frames if self._root(name) == down.root]
-        return MissingTransform(f"{head}{known}; {down.root} is the root of: {_short(tree)}; {_listed(frames)}")
+        return MissingTransform(f"{head}{known}; {down.root} is the root of: {_short(tree)}; {self.listed()}")
 
     def _root(self, name: str) -> str:
         """The root above a frame, going by its latest parents."""
@@ -187,10 +191,6 @@ class TransformBuffer:
 
 def _ignored(read: Read) -> str:
     return f"the transform from {read.parent} to {read.child} was ignored, for {read.fault}"
-
-
-def _listed(frames: Iterable[str]) -> str:
-    return f"frames in this recording: {_short(frames)}"
 
 
 def _short(names: Iterable[str]) -> str:

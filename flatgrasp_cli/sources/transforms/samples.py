@@ -13,6 +13,8 @@ from flatgrasp_cli.sources.messages.decoded import frame_name, reading, stamp_ns
 
 NEARLY_PARALLEL = 0.9995
 """Cosine of half the angle between two rotations above which their arc is as good as straight."""
+LARGEST_M = 1e9
+"""No two frames on Earth, or near it, are so far apart."""
 UNIT_TOLERANCE = 1e-3
 """A quaternion whose length is 1 within this is only rounded."""
 
@@ -80,8 +82,9 @@ def _read(transform: Any) -> Read:
     if unit is None:
         zero = not quaternion.any()
         return Read(parent, child, None, "its quaternion is 0 0 0 0" if zero else "its quaternion is not finite")
-    if not np.isfinite(translation).all():
-        return Read(parent, child, None, "its translation is not finite")
+    if not (np.abs(translation) <= LARGEST_M).all():  # false for NaN, too
+        finite = np.isfinite(translation).all()
+        return Read(parent, child, None, f"its translation is {'beyond all places' if finite else 'not finite'}")
     length = float(np.abs(quaternion @ unit))
     fault = "its quaternion is not of length 1" if abs(length - 1.0) > UNIT_TOLERANCE else ""
     return Read(parent, child, Sample(stamp_ns(stamp) or 0, parent, translation, unit), fault)
