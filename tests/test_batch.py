@@ -108,7 +108,7 @@ def test_an_empty_folder_is_an_error(run: Run, tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()
     done = run("batch", tmp_path / "empty", "-o", "out")
     assert done.code == 3
-    assert "holds no clouds and no recordings" in done.err
+    assert "holds no clouds, meshes or recordings" in done.err
     assert run("batch", "-o", "out").code == 2
 
 

@@ -12,9 +12,9 @@ from pathlib import Path, PurePosixPath
 
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.sources.containers import is_recording
+from flatgrasp_cli.sources.files import SUFFIXES as CLOUDS
 from flatgrasp_cli.sources.remote import is_url, list_url, url_state
 
-CLOUDS = (".pcd", ".ply")
 RECORDINGS = (".bag", ".mcap", ".db3", ".zstd")
 SAMPLE_BYTES = 65_536
 """A fingerprint reads so much of both ends of a file, beside its size and time: a whole night would take too long."""
@@ -46,7 +46,7 @@ def find_inputs(arguments: Iterable[str]) -> list[Input]:
             seen = True
             found.setdefault(source, place)
         if not seen:
-            raise SourceError(f"{argument}: holds no clouds and no recordings")
+            raise SourceError(f"{argument}: holds no clouds, meshes or recordings")
     taken: set[str] = set()
     return [Input(source, _unique(_safe(place), taken)) for source, place in found.items()]
 

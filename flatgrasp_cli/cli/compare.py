@@ -44,7 +44,10 @@ def command(sources: tuple[str, ...], job: Job, out: Path | None, as_json: bool)
                     click.echo(to_json(row))
                 if out is not None and pair.ours.trace.silhouette is not None:
                     _draw(
-                        pair, job, out / f"{names.of_frame(stem, cloud)}.{row['object']}.compare.png", cloud.source.path
+                        pair,
+                        job,
+                        out / f"{names.of_frame(stem, cloud, source)}.{row['object']}.compare.png",
+                        cloud.source.path,
                     )
     if not as_json:
         _print(rows)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from flatgrasp_cli.cli.image_options import image_options, of_images
 from flatgrasp_cli.errors import SourceError
 
 if TYPE_CHECKING:
@@ -36,15 +37,18 @@ LISTED = 10
 
 @click.command("inspect")
 @click.argument("sources", metavar="SOURCE…", nargs=-1, required=True)
+@image_options
 @click.option("--json", "as_json", is_flag=True, help="Print one line of JSON for each source.")
-def command(sources: tuple[str, ...], as_json: bool) -> int:
+def command(sources: tuple[str, ...], as_json: bool, **images: Any) -> int:
     """Show what clouds and recordings hold: topics, rates, frames, and the first cloud of each topic with clouds."""
+    from flatgrasp_cli.sources.selection import Selection
     from flatgrasp_cli.sources.summary import summarize
 
+    selection = Selection(**of_images(**images))
     code = 0
     for source in sources:
         try:
-            summary = summarize(source)
+            summary = summarize(source, selection)
         except SourceError as error:
             if len(sources) == 1:
                 raise

@@ -28,10 +28,12 @@ class Names:
 
     def of_source(self, source: str) -> str:
         """The stem of a source's name, made safe; further sources of that name are numbered."""
-        return self._unique("stdin" if source == "-" else re.sub(r"[^\w.+-]", "_", Path(source).stem) or "cloud")
+        return self._unique("stdin" if source == "-" else _safe(source) or "cloud")
 
-    def of_frame(self, stem: str, cloud: Cloud) -> str:
-        """The stem itself for a file with one cloud; with the frame's time in seconds for one of a recording."""
+    def of_frame(self, stem: str, cloud: Cloud, source: str) -> str:
+        """The stem itself for a file with one cloud; else with the frame's time in seconds, or its own file's stem."""
+        if cloud.source.path not in (source, "stdin"):
+            return self._unique(f"{stem}.{_safe(cloud.source.path)}")
         if cloud.source.topic is None or cloud.source.stamp_ns is None:
             return stem
         seconds, ns = divmod(cloud.source.stamp_ns, 1_000_000_000)
@@ -44,6 +46,11 @@ class Names:
             unique = f"{name}-{n}"
         self._taken.add(unique)
         return unique
+
+
+def _safe(path: str) -> str:
+    """The stem of a path's name with nothing in it that a file name should not have."""
+    return re.sub(r"[^\w.+-]", "_", Path(path).stem)
 
 
 class Warnings:

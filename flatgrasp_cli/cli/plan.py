@@ -37,11 +37,13 @@ NO_GRASP = 1
     help="The final grasp as PNG, or every stage of the method, or nothing.",
 )
 def command(sources: tuple[str, ...], job: Job, out: Path | None, as_json: bool, plots: str) -> int:
-    """Plan grasps on point clouds: PCD or PLY files, recordings, or "-" for standard input.
+    """Plan grasps on clouds, meshes, depth images, recordings, or "-" for standard input.
 
-    A recording is an MCAP file, a ROS 1 bag, or a ROS 2 bag, folder or file. Writes STEM.grasps.json and
-    STEM.grasps.png for each cloud, STEM.STAMP.grasps.* for each frame of a recording, and prints the best grasps. Exit
-    code 0: a grasp for every cloud; 1: some cloud has none, the document says why; 3: some source could not be read.
+    Clouds are PCD or PLY; meshes PLY, STL, OBJ, OFF or glTF, sampled; depth images PNG, TIFF or .npy with --intrinsics,
+    alone or a folder of them; recordings MCAP files, ROS 1 bags, or ROS 2 bags, folder or file. Writes STEM.grasps.json
+    and STEM.grasps.png for each cloud, STEM.STAMP.grasps.* for each frame of a recording, STEM.IMAGE.grasps.* for each
+    image of a folder, and prints the best grasps. Exit code 0: a grasp for every cloud; 1: some cloud has none, the
+    document says why; 3: some source could not be read.
     """
     outputs = Outputs(out if as_json else out or Path(), as_json, plots)
     names = Names()
@@ -51,7 +53,7 @@ def command(sources: tuple[str, ...], job: Job, out: Path | None, as_json: bool,
         stem = names.of_source(source)
         try:
             for cloud, read_ms in job.clouds(source, colors=outputs.draws):
-                outputs.write(job.plan(cloud), names.of_frame(stem, cloud), read_ms)
+                outputs.write(job.plan(cloud), names.of_frame(stem, cloud, source), read_ms)
         except SourceError as error:
             if len(sources) == 1:
                 raise

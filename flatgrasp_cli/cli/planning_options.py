@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import wraps
@@ -11,38 +10,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from flatgrasp_cli.cli.completion import complete_profile
+from flatgrasp_cli.cli.image_options import IMAGE_OPTIONS, of_images, positive
 from flatgrasp_cli.errors import UsageError
 
 if TYPE_CHECKING:
     from flatgrasp_cli.job import Job
-    from flatgrasp_cli.sources.selection import DepthAxes, Selection
+    from flatgrasp_cli.sources.selection import Selection
 
 
-def _positive(_context: click.Context, _parameter: click.Parameter, value: float | None) -> float | None:
-    if value is not None and not 0 < value < math.inf:  # false for NaN, too
-        raise click.BadParameter(f"{value} is not a positive number")
-    return value
-
-
-IMAGE_OPTIONS = (
-    click.option(
-        "--intrinsics",
-        metavar="FX,FY,CX,CY|FILE",
-        help="Of the camera of depth images: pixels, a ROS camera_info (YAML), or Open3D's JSON.",
-    ),
-    click.option(
-        "--depth-unit",
-        type=float,
-        callback=_positive,
-        metavar="METRES",
-        help="One count of depth images in metres; 0.001 for integers, 1 for floats if not given.",
-    ),
-    click.option(
-        "--depth-axes",
-        type=click.Choice(["optical", "body"]),
-        help="Of the frame of depth images: z forward, y down, or x forward, z up; else as names and transforms say.",
-    ),
-)
 OPTIONS = (
     click.option(
         "--gripper",
@@ -124,7 +99,7 @@ OPTIONS = (
     click.option(
         "--scale",
         type=float,
-        callback=_positive,
+        callback=positive,
         default=1.0,
         show_default=True,
         help="Metres in one unit of the source; 0.001 for millimetres.",
@@ -239,11 +214,8 @@ def _selection(
     every: str | None,
     count: int | None,
     strict: bool,
-    intrinsics: str | None,
-    depth_unit: float | None,
-    depth_axes: DepthAxes | None,
+    **images: Any,
 ) -> Selection:
-    from flatgrasp_cli.sources.intrinsics import parse_intrinsics
     from flatgrasp_cli.sources.selection import Every, Selection, parse_every, parse_moment
 
     if at is not None and (start, end, every, count) != (None, None, None, None):
@@ -256,7 +228,5 @@ def _selection(
         every=Every() if every is None else parse_every(every),
         count=count,
         strict=strict,
-        intrinsics=None if intrinsics is None else parse_intrinsics(intrinsics),
-        depth_unit_m=depth_unit,
-        depth_axes=depth_axes,
+        **of_images(**images),
     )

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-import shutil
+import stat
 import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import BinaryIO
+from typing import IO, BinaryIO
 
 from flatgrasp_cli.errors import SourceError, UsageError
 from flatgrasp_cli.model import Cloud
@@ -17,15 +17,18 @@ from flatgrasp_cli.sources.remote import copy_url, is_url
 from flatgrasp_cli.sources.selection import EVERYTHING, Selection
 
 STDIN = "-"
-SNIFFED_BYTES = 65_536
+COPIED_AT_ONCE = 1 << 20
+MOST_SPOOLED = 4 << 30
+"""Bytes of a pipe that are kept on disk: 4 GiB; one that never ends must not fill it."""
 
 
 def read_clouds(
     source: str | os.PathLike[str], scale: float = 1.0, selection: Selection = EVERYTHING
 ) -> Iterator[Cloud]:
-    """Yield the clouds of a PCD or PLY file or of a recording: a path, a URL, or "-" for standard input.
+    """Yield the clouds of a file, a recording, or a folder of depth images: a path, a URL, or "-" for standard input.
 
-    A recording is an MCAP file, a ROS 1 bag, or a rosbag2 folder or file. One cloud at a time is in memory.
+    Files are PCD, PLY, meshes (STL, OBJ, OFF, glTF), whose surface is sampled, and depth images (PNG, TIFF, .npy). A
+    recording is an MCAP file, a ROS 1 bag, or a rosbag2 folder or file. One cloud at a time is in memory.
 
     Parameters
     ----------
@@ -34,21 +37,24 @@ def read_clouds(
     scale
         Metres in one unit of the source: 0.001 for one in millimetres.
     selection
-        Which topic and frames of a recording; a file with one cloud has no choice.
+        Which topic and frames of a recording, and of what camera depth images are; a file with one cloud has no choice.
 
     Raises
     ------
     SourceError
         If the source is missing, is no cloud, or contradicts its own header.
     UsageError
-        If a file is to say where a frame is.
+        If a depth image is given without its camera's intrinsics, or a file is to say where a frame is.
     """
     from flatgrasp_cli.sources.containers import is_recording
+    from flatgrasp_cli.sources.files import read_file
+    from flatgrasp_cli.sources.folders import folder_images, kind_of_folder
 
     name = os.fspath(source)
     with on_disk(name) as path:
         label = "stdin" if name == STDIN else name
-        if is_recording(path):
+        are_images = path.is_dir() and kind_of_folder(path, label) == "images"
+        if not are_images and is_recording(path):
             from flatgrasp_cli.sources.frames import recorded_clouds
 
             yield from recorded_clouds(path, label, scale, selection)
@@ -57,36 +63,21 @@ def read_clouds(
                 f"{label}: --sensor {selection.sensor_frame}: is the name of a frame, and only a recording can say "
                 "where that is; give the place X,Y,Z, above, or none"
             )
+        elif are_images:
+            yield from folder_images(path, label, scale, selection)
         else:
-            yield read_file(path, label, scale)
-
-
-def read_file(path: Path, name: str, scale: float = 1.0) -> Cloud:
-    """Read the cloud of a PCD or PLY file, told apart by content.
-
-    `name` is what errors call it, `scale` the metres in a unit of the file.
-    """
-    from flatgrasp_cli.sources.pcd_ply import read_pcd, read_ply
-
-    if path.is_dir():
-        raise SourceError(f"{name}: is a folder and no rosbag2; give the files in it, e.g. {name.rstrip('/')}/*.pcd")
-    with path.open("rb") as file:
-        head = file.read(SNIFFED_BYTES)
-        file.seek(0)
-        if not head:
-            raise SourceError(f"{name}: the file is empty")
-        if head.startswith((b"ply\n", b"ply\r")):
-            return read_ply(file, name, scale)
-        if head.lstrip().startswith((b"#", b"VERSION", b"FIELDS")) and b"FIELDS" in head:
-            return read_pcd(file, name, scale)
-    raise SourceError(
-        f"{name}: is neither a PCD or PLY file, nor a ROS bag, nor an MCAP recording (it begins with {head[:16]!r})"
-    )
+            yield read_file(path, label, scale, selection)
 
 
 @contextmanager
 def on_disk(name: str) -> Iterator[Path]:
-    """A seekable file: the source itself, or a temporary copy of standard input, of a pipe, or of what a URL names."""
+    """A seekable file: the source itself, or a temporary copy of standard input, of a pipe, or of what a URL names.
+
+    Raises
+    ------
+    SourceError
+        If there is none, it is a device, or a pipe does not end.
+    """
     path = Path(name)
     try:
         if name != STDIN and (path.is_file() or path.is_dir()):
@@ -97,7 +88,7 @@ def on_disk(name: str) -> Iterator[Path]:
                 copy_url(name, spool)
             else:
                 with _pipe(name) as pipe:
-                    shutil.copyfileobj(pipe, spool)
+                    _copy(pipe, spool, name)
             spool.flush()
             yield Path(spool.name)
     except OSError as error:
@@ -107,9 +98,22 @@ def on_disk(name: str) -> Iterator[Path]:
 @contextmanager
 def _pipe(name: str) -> Iterator[BinaryIO]:
     if name != STDIN:
+        if not stat.S_ISFIFO(Path(name).stat().st_mode):
+            raise SourceError(f"{name}: is a device and no file")
         with Path(name).open("rb") as pipe:
             yield pipe
     elif sys.stdin is None:
         raise SourceError("stdin: is closed")
     else:
         yield sys.stdin.buffer
+
+
+def _copy(pipe: BinaryIO, spool: IO[bytes], name: str) -> None:
+    """Copy a pipe to its end."""
+    copied = 0
+    while part := pipe.read(COPIED_AT_ONCE):
+        copied += len(part)
+        if copied > MOST_SPOOLED:
+            which = "stdin" if name == STDIN else name
+            raise SourceError(f"{which}: does not end within {MOST_SPOOLED / 2**30:g} GiB; save it to a file first")
+        spool.write(part)

@@ -2,31 +2,34 @@
 
 Open3D answers many broken files with zero points, zeros, unset memory or a crash, and no exception; and seen with 0.20,
 it gets mixed types, properties in another order than x, y, z, and infinities in PLY wrong. Behind a checked header the
-points are a plain table, which numpy reads, faster than Open3D and without the second that its import takes. Only
-compressed PCD goes to Open3D, the one maintained reader of it whose wheels need no compiler: to its tensor reader (the
-legacy one reads float64 as zeros), as a clean copy behind a header in which only x, y and z mean something.
+points are a plain table, which numpy reads, faster than Open3D and without the second that its import takes.
 """
 
 from __future__ import annotations
 
-import io
-import shutil
-import tempfile
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
 
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.model import Cloud, ImageGrid, Source
-from flatgrasp_cli.open3d_door import load_open3d
+from flatgrasp_cli.model import Cloud, CloudWarning, ImageGrid, Source
+from flatgrasp_cli.sources.ascii_rows import more_rows, read_columns
 from flatgrasp_cli.sources.pcd_header import PcdHeader, check_pcd_data, read_pcd_header
-from flatgrasp_cli.sources.ply_header import read_ply_header, seek_vertices
+from flatgrasp_cli.sources.ply_elements import Column, read_element
+from flatgrasp_cli.sources.ply_header import PlyElement, PlyHeader, read_ply_header
+from flatgrasp_cli.sources.text_lines import shown, with_lf
 
-COPY_BYTES = 1 << 20
+MORE_POINTS = CloudWarning(
+    "more_points_than_declared",
+    "The file goes on behind the points that its header declares; what follows them is left out.",
+)
+FACE_LISTS = ("vertex_indices", "vertex_index")
+CAMERA_PLACE = ("view_px", "view_py", "view_pz")
+CAMERA_IMAGE = ("viewporty", "viewportx")
+"""What PCL writes the height and width of an organised cloud to."""
 
 
 def read_pcd(file: BinaryIO, name: str, scale: float = 1.0) -> Cloud:
@@ -36,12 +39,13 @@ def read_pcd(file: BinaryIO, name: str, scale: float = 1.0) -> Cloud:
     in another one, so its inverse is kept, too. All zeros, PCL's default, say nothing.
     """
     header = read_pcd_header(file, name)
-    check_pcd_data(file, header, name)
+    file.seek(header.begin)
+    columns, more = _text_columns(file, header, name) if header.data == "ascii" else _columns(file, header, name)
     if header.points == 0:
         raise SourceError(f"{name}: the file declares no points")
-    file.seek(header.begin)
-    shape = (header.height, header.width)
-    cloud = _finite(_pcd_columns(file, header, name), name, shape, scale)
+    cloud = _finite(columns, name, (header.height, header.width), scale)
+    if more:
+        cloud = cloud.warned(MORE_POINTS)
     pose = header.viewpoint_pose
     if pose is None:
         return cloud
@@ -49,53 +53,93 @@ def read_pcd(file: BinaryIO, name: str, scale: float = 1.0) -> Cloud:
     return replace(cloud, viewpoint=scale * pose.origin, inverse_viewpoint=scale * inverse)
 
 
-def _pcd_columns(file: BinaryIO, header: PcdHeader, name: str) -> Sequence[FloatArray] | FloatArray:
-    """x, y and z of all points of a PCD file that stands at its data."""
-    if header.data == "binary_compressed":
-        return _decompressed(file, header, name).T
-    data = file.read()
-    if header.data == "binary":
-        records = np.frombuffer(data, dtype=header.point_dtype(), count=header.points)
-        return [records[axis] for axis in "xyz"]
-    columns = [header.column(axis) for axis in "xyz"]
-    return np.loadtxt(io.BytesIO(data), comments=None, ndmin=2, usecols=columns).T
+def _text_columns(file: BinaryIO, header: PcdHeader, name: str) -> tuple[FloatArray, bool]:
+    """x, y and z of all points of a PCD file that stands at its data, and whether there are more."""
+    rows = with_lf(file, cr=header.cr)
+    columns = read_columns(rows, header.points, sum(header.counts), header.columns(), name)
+    return columns, more_rows(rows)
 
 
-def _decompressed(file: BinaryIO, header: PcdHeader, name: str) -> FloatArray:
-    """The points (n, 3) of a compressed PCD file that stands at its data."""
-    with tempfile.TemporaryDirectory(prefix="flatgrasp-") as folder:
-        clean = Path(folder, "clean.pcd")
-        with clean.open("wb") as out:
-            out.write(header.renamed())
-            shutil.copyfileobj(file, out, COPY_BYTES)
-        cloud = load_open3d().t.io.read_point_cloud(
-            str(clean), format="pcd", remove_nan_points=False, remove_infinite_points=False
-        )
-    points = cloud.point.positions.numpy() if "positions" in cloud.point else np.empty((0, 3))
-    if len(points) != header.points:
-        raise SourceError(
-            f"{name}: the header declares {header.points} points, Open3D could read {len(points)} of them"
-        )
-    return np.asarray(points)
+def _columns(file: BinaryIO, header: PcdHeader, name: str) -> tuple[Sequence[FloatArray] | FloatArray, bool]:
+    more = check_pcd_data(file, header, name)
+    file.seek(header.begin)
+    if header.points and header.data == "binary_compressed":
+        from flatgrasp_cli.sources.pcd_compressed import decompressed
+
+        return decompressed(file, header, name), more
+    data = file.read(header.points * header.stride)
+    records = np.frombuffer(data, dtype=header.point_dtype(), count=header.points)
+    return [records[axis] for axis in "xyz"], more
 
 
 def read_ply(file: BinaryIO, name: str, scale: float = 1.0) -> Cloud:
-    """Read the vertices of a PLY file, ascii or binary of either endianness."""
+    """Read a PLY file, ascii or binary of either endianness: its vertices, or the surface if it has faces.
+
+    `element camera`, as PCL writes it, has the sensor's place; all zeros, PCL's default, say nothing.
+    """
     header = read_ply_header(file, name)
-    size = seek_vertices(file, header, name)
-    if header.vertex.count == 0:
+    text = with_lf(file, cr=header.cr) if header.format == "ascii" else file
+    wanted = [_wanted(element, name) for element in header.elements]
+    last = max(k for k, places in enumerate(wanted) if places)
+    found: dict[str, list[Column]] = {}
+    for element, places in zip(header.elements[: last + 1], wanted, strict=False):
+        columns = read_element(text, header, element, places, name)
+        found.setdefault(element.name, columns)
+    vertices = [column.values for column in found["vertex"]]
+    if len(vertices[0]) == 0:
         raise SourceError(f"{name}: the file declares no points")
-    data = file.read(size)
+    if found.get("face"):
+        from flatgrasp_cli.sources.meshes import polygon_cloud
+
+        (faces,) = found["face"]
+        with np.errstate(invalid="ignore"):  # NaN of some kinds warn when they are converted
+            corners = np.stack(vertices, axis=1)
+        return polygon_cloud(corners, faces.values, faces.sizes, name, scale)
+    cloud = _seen_by(found.get("camera"), vertices, name, scale)
+    return cloud.warned(MORE_POINTS) if _goes_on(text, header) else cloud
+
+
+def _wanted(element: PlyElement, name: str) -> list[int]:
+    """Places of the properties that are read: of vertices, of the corners of faces, and of a camera."""
+    if element.count == 0 and element.name != "vertex":
+        return []
+    if element.name == "vertex":
+        return [element.places(axis)[0] for axis in "xyz"]
+    if element.name == "tristrips":
+        raise SourceError(f"{name}: has triangle strips, which are not read; save the mesh with faces")
+    lists = [place for place, item in enumerate(element.properties) if item.count_code and item.name in FACE_LISTS]
+    if element.name == "face":
+        if not lists:
+            names = " ".join(item.name for item in element.properties)
+            raise SourceError(f"{name}: its faces have no list vertex_indices; they have: {shown(names)}")
+        return lists[:1]
+    scalars = {item.name: place for place, item in enumerate(element.properties) if not item.count_code}
+    if element.name == "camera" and element.count == 1 and all(each in scalars for each in CAMERA_PLACE):
+        return [scalars[each] for each in (*CAMERA_PLACE, *CAMERA_IMAGE) if each in scalars]
+    return []
+
+
+def _seen_by(camera: list[Column] | None, vertices: Sequence[FloatArray], name: str, scale: float) -> Cloud:
+    """The cloud of the vertices, an image if the camera says of what size."""
+    if not camera:
+        return _finite(vertices, name, (1, len(vertices[0])), scale)
+    place, image = (np.array([float(column.values[0]) for column in part]) for part in (camera[:3], camera[3:]))
+    shape = (1, len(vertices[0]))
+    if len(image) == 2 and np.isfinite(image).all() and image.prod() == len(vertices[0]):
+        shape = (int(image[0]), int(image[1]))
+    cloud = _finite(vertices, name, shape, scale)
+    return replace(cloud, viewpoint=scale * place) if place.any() and np.isfinite(place).all() else cloud
+
+
+def _goes_on(file: BinaryIO, header: PlyHeader) -> bool:
+    """Whether more vertices follow those that were read last; behind other elements nobody could tell."""
+    element = header.elements[-1]
+    if element.name != "vertex":
+        return False
     if header.format == "ascii":
-        columns = [header.vertex.column(axis) for axis in "xyz"]
-        return _finite(
-            np.loadtxt(io.BytesIO(data), comments=None, ndmin=2, usecols=columns).T,
-            name,
-            (1, header.vertex.count),
-            scale,
-        )
-    records = np.frombuffer(data, dtype=header.vertex_dtype())
-    return _finite([records[axis] for axis in "xyz"], name, (1, header.vertex.count), scale)
+        return more_rows(file)
+    size = sum(int((item.count_code or item.code)[1:]) for item in element.properties)
+    return len(file.read(size)) == size
 
 
 def _finite(columns: Sequence[FloatArray] | FloatArray, name: str, shape: tuple[int, int], scale: float) -> Cloud:

@@ -1,18 +1,18 @@
-"""The header of a PLY file, checked against the bytes that follow it.
+"""The header of a PLY file.
 
 Format: G. Turk, "The PLY Polygon File Format", 1994.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import re
+from dataclasses import dataclass, replace
 from typing import BinaryIO
 
-import numpy as np
-
 from flatgrasp_cli.errors import SourceError
-from flatgrasp_cli.sources.ascii_rows import check_rows
+from flatgrasp_cli.sources.text_lines import ends_in_cr, read_line, shown, skip_byte_order_mark
 
+BEGINNING = re.compile(rb"ply[ \t]*[\r\n]", re.IGNORECASE)
 MAX_LINES = 1000
 MAX_LINE_BYTES = 65_536
 FORMATS = ("ascii", "binary_little_endian", "binary_big_endian")
@@ -30,46 +30,49 @@ CODES = {
 
 
 @dataclass(frozen=True, slots=True)
+class PlyProperty:
+    """One value of a record, or, with a `count_code`, a list of them behind their number; codes are numpy's."""
+
+    name: str
+    code: str
+    count_code: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class PlyElement:
-    """One kind of record: `properties` are (name, type) pairs, `lists` tells that some are lists."""
+    """One kind of record, and how many of them there are."""
 
     name: str
     count: int
-    properties: tuple[tuple[str, str], ...]
-    lists: bool
+    properties: tuple[PlyProperty, ...] = ()
 
     @property
-    def stride(self) -> int:
-        """Bytes a record in binary data."""
-        return sum(int(CODES[kind][1:]) for _, kind in self.properties)
+    def has_lists(self) -> bool:
+        """Whether records differ in length."""
+        return any(item.count_code for item in self.properties)
 
-    def column(self, name: str) -> int:
-        """Place of a property among the record's numbers."""
-        return [key for key, _ in self.properties].index(name)
+    def places(self, name: str) -> list[int]:
+        """Places of the properties called x, or X if there are none."""
+        exact = [place for place, item in enumerate(self.properties) if item.name == name]
+        return exact or [place for place, item in enumerate(self.properties) if item.name.lower() == name]
 
 
 @dataclass(frozen=True, slots=True)
 class PlyHeader:
-    """What a PLY file says of itself; its data begin at offset `begin`."""
+    """What a PLY file says of itself; `cr` tells that lines end in a carriage return alone."""
 
     format: str
     elements: tuple[PlyElement, ...]
-    begin: int
+    cr: bool
 
-    @property
-    def vertex(self) -> PlyElement:
-        """The element with the points."""
-        return next(element for element in self.elements if element.name == "vertex")
+    def element(self, name: str) -> PlyElement | None:
+        """The element of that name, the first if there are several."""
+        return next((element for element in self.elements if element.name == name), None)
 
-    @property
-    def before_vertex(self) -> tuple[PlyElement, ...]:
-        """The elements stored before the points."""
-        return self.elements[: self.elements.index(self.vertex)]
 
-    def vertex_dtype(self) -> np.dtype[np.void]:
-        """The vertices of binary data as a numpy record type."""
-        order = ">" if self.format == "binary_big_endian" else "<"
-        return np.dtype([(name, order + CODES[kind]) for name, kind in self.vertex.properties])
+def is_ply(head: bytes) -> bool:
+    """Whether a file that begins so is a PLY file."""
+    return BEGINNING.match(head) is not None
 
 
 def read_ply_header(file: BinaryIO, name: str) -> PlyHeader:
@@ -80,58 +83,30 @@ def read_ply_header(file: BinaryIO, name: str) -> PlyHeader:
     SourceError
         If it is malformed, or has no vertices with x, y and z.
     """
-    words = [line.split() for line in _header_lines(file, name)]
+    skip_byte_order_mark(file)
+    cr = ends_in_cr(file)
     try:
-        form, elements = _parse(words)
-    except (ValueError, IndexError, KeyError) as error:
-        raise SourceError(f"{name}: the PLY header is malformed: {error}") from error
-    header = PlyHeader(form, elements, file.tell())
+        form, elements = _parse(_header_lines(file, name, cr))
+    except (ValueError, IndexError) as error:
+        raise SourceError(f"{name}: the PLY header is malformed: {shown(error)}") from error
+    header = PlyHeader(form, elements, cr)
     vertices = [element for element in elements if element.name == "vertex"]
     if len(vertices) != 1:
-        raise SourceError(f"{name}: the PLY file has no vertices; its elements: {[e.name for e in elements]}")
-    names = [key for key, _ in vertices[0].properties]
-    if len(set(names)) < len(names) or any(axis not in names for axis in "xyz"):
-        raise SourceError(f"{name}: the vertices need one property each of x, y and z; they have: {' '.join(names)}")
-    if any(element.lists for element in (*header.before_vertex, vertices[0])):
-        raise SourceError(f"{name}: has lists in or before its vertices; save it again with the vertices first")
+        raise SourceError(f"{name}: the PLY file has no vertices; its elements: {shown([e.name for e in elements])}")
+    axes = [vertices[0].places(axis) for axis in "xyz"]
+    if any(len(places) != 1 or vertices[0].properties[places[0]].count_code for places in axes):
+        names = " ".join(item.name for item in vertices[0].properties)
+        raise SourceError(f"{name}: the vertices need one property each of x, y and z; they have: {shown(names)}")
     return header
 
 
-def seek_vertices(file: BinaryIO, header: PlyHeader, name: str) -> int:
-    """Move the file to its vertices, check that all are there, and return how many bytes they take."""
-    size = file.seek(0, 2)
-    file.seek(header.begin)
-    if header.format == "ascii":
-        for element in header.before_vertex:
-            check_rows(file, element.count, len(element.properties), name, to_end=False)
-        begin = file.tell()
-        check_rows(
-            file,
-            header.vertex.count,
-            len(header.vertex.properties),
-            name,
-            to_end=header.elements[-1:] == (header.vertex,),
-        )
-        end = file.tell()
-    else:
-        begin = header.begin + sum(element.count * element.stride for element in header.before_vertex)
-        end = begin + header.vertex.count * header.vertex.stride
-        if end > size:
-            raise SourceError(
-                f"{name}: the header declares {header.vertex.count} points, which end at byte {end}; "
-                f"the file has {size} bytes: it is truncated or its header is wrong"
-            )
-    file.seek(begin)
-    return end - begin
-
-
-def _header_lines(file: BinaryIO, name: str) -> list[str]:
-    lines: list[str] = []
+def _header_lines(file: BinaryIO, name: str, cr: bool) -> list[list[str]]:
+    lines: list[list[str]] = []
     for _ in range(MAX_LINES):
-        line = file.readline(MAX_LINE_BYTES).decode("latin-1").strip()
-        if line == "end_header":
+        words = read_line(file, MAX_LINE_BYTES, cr=cr).decode("latin-1").split()
+        if [word.lower() for word in words] == ["end_header"]:
             return lines
-        lines.append(line)
+        lines.append(words)
     raise SourceError(f"{name}: the PLY header does not end")
 
 
@@ -139,16 +114,17 @@ def _parse(lines: list[list[str]]) -> tuple[str, tuple[PlyElement, ...]]:
     form = ""
     elements: list[PlyElement] = []
     for words in lines[1:]:
-        if not words or words[0] in ("comment", "obj_info"):
+        keyword = words[0].lower() if words else "comment"
+        if keyword in ("comment", "obj_info"):
             continue
-        if words[0] == "format":
-            form = words[1]
-        elif words[0] == "element":
-            elements.append(PlyElement(words[1], int(words[2]), (), lists=False))
-        elif words[0] == "property":
-            elements[-1] = _with_property(elements[-1], words[1:])
+        if keyword == "format":
+            form = words[1].lower()
+        elif keyword == "element":
+            elements.append(PlyElement(words[1].lower(), int(words[2])))
+        elif keyword == "property":
+            elements[-1] = replace(elements[-1], properties=(*elements[-1].properties, _property(words[1:])))
         else:
-            raise ValueError(f"unknown line {' '.join(words)!r}")
+            raise ValueError(f"unknown line {' '.join(words)[:40]!r}")
     if form not in FORMATS:
         raise ValueError(f"format {form!r} is none of {', '.join(FORMATS)}")
     if any(element.count < 0 for element in elements):
@@ -156,9 +132,16 @@ def _parse(lines: list[list[str]]) -> tuple[str, tuple[PlyElement, ...]]:
     return form, tuple(elements)
 
 
-def _with_property(element: PlyElement, words: list[str]) -> PlyElement:
-    if words[0] == "list":
-        return PlyElement(element.name, element.count, element.properties, lists=True)
-    if words[0] not in CODES:
-        raise ValueError(f"unknown type {words[0]!r}")
-    return PlyElement(element.name, element.count, (*element.properties, (words[1], words[0])), element.lists)
+def _property(words: list[str]) -> PlyProperty:
+    if words[0].lower() == "list":
+        count = _code(words[1])
+        if count.startswith("f"):
+            raise ValueError(f"a list of {words[1]} entries: their number is an integer")
+        return PlyProperty(words[3], _code(words[2]), count)
+    return PlyProperty(words[1], _code(words[0]))
+
+
+def _code(word: str) -> str:
+    if word.lower() not in CODES:
+        raise ValueError(f"unknown type {word!r}")
+    return CODES[word.lower()]

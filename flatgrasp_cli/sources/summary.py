@@ -12,12 +12,14 @@ from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.model import Cloud, Sensor
 from flatgrasp_cli.sensor import located
 from flatgrasp_cli.sources.containers import Recording, Topic, is_recording, open_recording
+from flatgrasp_cli.sources.files import kind_of_file, read_kind
+from flatgrasp_cli.sources.folders import folder_images, kind_of_folder
 from flatgrasp_cli.sources.frames import usable_frames
 from flatgrasp_cli.sources.messages import CLOUD_TYPES, MessageError
-from flatgrasp_cli.sources.open import STDIN, on_disk, read_file
+from flatgrasp_cli.sources.open import STDIN, on_disk
 from flatgrasp_cli.sources.pcd_header import read_pcd_header
 from flatgrasp_cli.sources.placement import TRANSFORM_TYPES
-from flatgrasp_cli.sources.selection import EVERYTHING, NS
+from flatgrasp_cli.sources.selection import EVERYTHING, NS, Selection
 from flatgrasp_cli.sources.topics import depth_topics
 from flatgrasp_cli.sources.transforms import TransformBuffer
 
@@ -78,8 +80,8 @@ class Summary:
         return None if self.start_ns is None or self.end_ns is None else (self.end_ns - self.start_ns) / NS
 
 
-def summarize(source: str) -> Summary:
-    """What the file, folder or standard input ("-") `source` holds.
+def summarize(source: str, selection: Selection = EVERYTHING) -> Summary:
+    """What the file, folder or standard input ("-") `source` holds; `selection` says of what camera depth images are.
 
     Raises
     ------
@@ -88,11 +90,14 @@ def summarize(source: str) -> Summary:
     """
     name = "stdin" if source == STDIN else source
     with on_disk(source) as path:
+        if path.is_dir() and kind_of_folder(path, name) == "images":
+            first = next(folder_images(path, name, 1.0, selection))
+            return Summary(name, "depth images", clouds=(_of_cloud(first, _image_shape(first), ()),))
         if not is_recording(path):
-            return _of_file(path, name)
+            return _of_file(path, name, selection)
         with open_recording(path, name) as recording:
             topics = tuple(_of_topic(topic, recording) for topic in recording.topics)
-            clouds = tuple(_of_clouds(name, recording))
+            clouds = tuple(_of_clouds(name, recording, selection))
             frames = {*_frames(recording), *(cloud.frame_id for cloud in clouds)} - {""}
             return Summary(
                 name,
@@ -106,15 +111,19 @@ def summarize(source: str) -> Summary:
             )
 
 
-def _of_file(path: Path, name: str) -> Summary:
-    cloud = read_file(path, name)
+def _of_file(path: Path, name: str, selection: Selection) -> Summary:
+    kind = kind_of_file(path, name)
+    cloud = read_kind(kind, path, name, 1.0, selection)
+    if kind != "PCD":
+        return Summary(name, kind, clouds=(_of_cloud(cloud, _image_shape(cloud), ()),))
     with path.open("rb") as file:
-        if file.read(3) == b"ply":
-            file.seek(0)
-            return Summary(name, "PLY", clouds=(_of_cloud(cloud, (len(cloud.points) + cloud.dropped,), ()),))
-        file.seek(0)
         header = read_pcd_header(file, name)
-    return Summary(name, "PCD", clouds=(_of_cloud(cloud, (header.height, header.width), header.fields),))
+    return Summary(name, kind, clouds=(_of_cloud(cloud, (header.height, header.width), header.fields),))
+
+
+def _image_shape(cloud: Cloud) -> tuple[int, ...]:
+    """Height and width of a cloud that is an image, or its number of points."""
+    return cloud.pixels.shape if cloud.pixels else (len(cloud.points) + cloud.dropped,)
 
 
 def _of_topic(topic: Topic, recording: Recording) -> TopicSummary:
@@ -125,11 +134,11 @@ def _of_topic(topic: Topic, recording: Recording) -> TopicSummary:
     return TopicSummary(topic.name, topic.type, topic.encoding, topic.count, rate)
 
 
-def _of_clouds(name: str, recording: Recording) -> Iterator[CloudSummary]:
+def _of_clouds(name: str, recording: Recording, selection: Selection) -> Iterator[CloudSummary]:
     topics = [topic for topic in recording.topics if topic.type in CLOUD_TYPES and topic.count != 0]
     for topic in (*topics, *depth_topics(recording)):
         try:
-            message, cloud = next(usable_frames(recording, topic, (name, 1.0, None), EVERYTHING))
+            message, cloud = next(usable_frames(recording, topic, (name, 1.0, None), selection))
         except SourceError as error:
             recording.problems.add(str(error).removeprefix(f"{name}: "))
             continue

@@ -1,0 +1,100 @@
+"""Files that hold one cloud, a mesh, or a depth image: what they are is told by content, and by name where that fails.
+
+A file found to be of a kind is read as that; an STL file cut short, which nothing but its name tells, gets an error
+that says so.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path, PurePath
+from typing import Literal
+
+from flatgrasp_cli.errors import SourceError
+from flatgrasp_cli.model import Cloud, Source
+from flatgrasp_cli.sources.depth_files import DepthFiles, is_depth_file
+from flatgrasp_cli.sources.pcd_header import is_pcd
+from flatgrasp_cli.sources.pcd_ply import read_pcd, read_ply
+from flatgrasp_cli.sources.ply_header import is_ply
+from flatgrasp_cli.sources.selection import EVERYTHING, Selection
+from flatgrasp_cli.sources.text_lines import BYTE_ORDER_MARK
+
+Kind = Literal["PCD", "PLY", "STL", "OBJ", "OFF", "glTF", "depth image"]
+SNIFFED_BYTES = 65_536
+MESHES: dict[str, Kind] = {".stl": "STL", ".obj": "OBJ", ".off": "OFF", ".glb": "glTF", ".gltf": "glTF"}
+SUFFIXES = (".pcd", ".ply", *MESHES)
+"""Of files that hold one cloud or one mesh."""
+ELSE: dict[bytes, str] = {
+    b"\xff\xfe": "is text in UTF-16; save it as ASCII or UTF-8",
+    b"\xfe\xff": "is text in UTF-16; save it as ASCII or UTF-8",
+    b"\xff\xd8\xff": "is a JPEG picture, which cannot hold depth",
+}
+
+
+def read_file(path: Path, name: str, scale: float = 1.0, selection: Selection = EVERYTHING) -> Cloud:
+    """Read the cloud of a file.
+
+    `name` is what errors call it, `scale` the metres in a unit of the file; of the `selection` depth images need what
+    it says of their camera.
+
+    Raises
+    ------
+    SourceError
+        If it is of no kind that is read, or broken.
+    """
+    return read_kind(kind_of_file(path, name), path, name, scale, selection)
+
+
+def read_kind(kind: Kind, path: Path, name: str, scale: float, selection: Selection) -> Cloud:
+    """Read a file whose kind is known."""
+    if kind == "depth image":
+        return DepthFiles(selection, scale).read(path, Source(name))
+    with path.open("rb") as file:
+        if kind == "PCD":
+            return read_pcd(file, name, scale)
+        if kind == "PLY":
+            return read_ply(file, name, scale)
+        from flatgrasp_cli.sources.meshes import read_gltf, read_obj, read_off, read_stl
+
+        if kind == "glTF":  # its buffers may be files beside it, if it is no copy of a pipe
+            return read_gltf(file, name, scale, path.parent if str(path) == name else None)
+        return {"STL": read_stl, "OBJ": read_obj, "OFF": read_off}[kind](file, name, scale)
+
+
+def kind_of_file(path: Path, name: str) -> Kind:
+    """What kind of file it is.
+
+    Raises
+    ------
+    SourceError
+        If it is of none that is read.
+    """
+    with path.open("rb") as file:
+        head = file.read(SNIFFED_BYTES)
+        size = file.seek(0, 2)
+    if not head:
+        raise SourceError(f"{name}: the file is empty")
+    kind = _by_content(head.removeprefix(BYTE_ORDER_MARK), size) or MESHES.get(PurePath(name).suffix.lower())
+    if kind is not None:
+        return kind
+    known = next((text for magic, text in ELSE.items() if head.startswith(magic)), None)
+    raise SourceError(
+        f"{name}: {known}"
+        if known
+        else f"{name}: is neither a PCD or PLY file, a mesh (STL, OBJ, OFF, glTF) or a depth image (PNG, TIFF, .npy), "
+        f"nor a ROS bag or an MCAP recording (it begins with {head[:16]!r})"
+    )
+
+
+def _by_content(head: bytes, size: int) -> Kind | None:
+    from flatgrasp_cli.sources.meshes import is_gltf, is_obj, is_off, is_stl
+
+    found: dict[Kind, bool] = {  # in this order: "{" and "v 1" say less than a magic
+        "PLY": is_ply(head),
+        "PCD": is_pcd(head),
+        "depth image": is_depth_file(head),
+        "STL": is_stl(head, size),
+        "glTF": is_gltf(head),
+        "OFF": is_off(head),
+        "OBJ": is_obj(head),
+    }
+    return next((kind for kind, is_it in found.items() if is_it), None)
