@@ -47,11 +47,6 @@ class Plan:
         return tuple(dict.fromkeys((*self.cloud.warnings, *self.scene.warnings)))
 
     @property
-    def warning_lines(self) -> list[str]:
-        """The warnings as lines for people, which name the source; the same for all of its frames."""
-        return [f"{self.cloud.source.path}: {warning.text}" for warning in self.warnings]
-
-    @property
     def reason(self) -> str | None:
         """Why there is no grasp; None when there is one."""
         if self.best is not None:

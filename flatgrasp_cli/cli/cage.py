@@ -64,7 +64,7 @@ def _outlines(source: str, job: Job) -> Iterator[Outline]:
     warnings = Warnings()
     for cloud, _ in job.clouds(source):
         plan = job.plan(cloud)
-        warnings.tell(plan)
+        warnings.tell(plan, source)
         for item in plan.objects:
             outline = item.trace.silhouette
             yield str(cloud.source), item.object.id, outline.loops if outline else (), caging

@@ -36,7 +36,7 @@ def command(sources: tuple[str, ...], job: Job, out: Path | None, as_json: bool)
         stem = names.of_source(source)
         for cloud, _ in job.clouds(source):
             plan = job.plan(cloud)
-            warnings.tell(plan)
+            warnings.tell(plan, source)
             for pair in compare(plan):
                 row = _row(str(cloud.source), pair)
                 rows.append(row)

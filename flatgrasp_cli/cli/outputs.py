@@ -59,9 +59,10 @@ class Warnings:
     def __init__(self) -> None:
         self._told: set[str] = set()
 
-    def tell(self, plan: Plan) -> None:
-        """Say the warnings of a plan that were not said before."""
-        for line in plan.warning_lines:
+    def tell(self, plan: Plan, source: str) -> None:
+        """Say the warnings of a plan that were not said of its source before."""
+        name = "stdin" if source == "-" else source
+        for line in (f"{name}: {warning.text}" for warning in plan.warnings):
             if line not in self._told:
                 self._told.add(line)
                 click.echo(f"flatgrasp: warning: {line}", err=True)
@@ -79,12 +80,12 @@ class Outputs:
             with writing(folder):
                 folder.mkdir(parents=True, exist_ok=True)
 
-    def write(self, plan: Plan, stem: str, read_ms: float) -> None:
-        """Write one plan; says on stderr when it has no grasp."""
+    def write(self, plan: Plan, source: str, stem: str, read_ms: float) -> None:
+        """Write one plan of a source; says on stderr when it has no grasp."""
         from flatgrasp_cli.results.document import to_document, to_json
         from flatgrasp_cli.results.table import refusal
 
-        self._warnings.tell(plan)
+        self._warnings.tell(plan, source)
         document = to_document(plan, read_ms)
         if self._folder is not None:
             self._write_file(self._folder / f"{stem}.grasps.json", to_json(document, indent=2) + "\n")

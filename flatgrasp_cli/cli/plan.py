@@ -53,7 +53,7 @@ def command(sources: tuple[str, ...], job: Job, out: Path | None, as_json: bool,
         stem = names.of_source(source)
         try:
             for cloud, read_ms in job.clouds(source, colors=outputs.draws):
-                outputs.write(job.plan(cloud), names.of_frame(stem, cloud, source), read_ms)
+                outputs.write(job.plan(cloud), source, names.of_frame(stem, cloud, source), read_ms)
         except SourceError as error:
             if len(sources) == 1:
                 raise

@@ -53,9 +53,8 @@ def _stated(
     """The sensor that is known already, or that an organised cloud tells; None if there is none of both."""
     sensor = cloud.sensor
     if sensor is not None and sensor.known_from in ("option", "all_sides"):
-        if sensor.position is None:
-            direction = sensor.direction if up is None and sensor.direction is not None else up
-            sensor = replace(sensor, direction=_upward(cloud, rng) if direction is None else direction)
+        if sensor.position is None and sensor.direction is None:
+            sensor = replace(sensor, direction=_upward(cloud, rng) if up is None else up)
         return sensor, ()
     center = center_of_projection(cloud.points, cloud.pixels, rng) if cloud.pixels is not None else None
     if center is None:
