@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from flatgrasp_cli.errors import SourceError
+from flatgrasp_cli.cli.outputs import Sources
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -29,22 +29,16 @@ def command(sources: tuple[str, ...], as_json: bool) -> int:
     """Show what clouds and recordings hold: topics, rates, frames, and the first cloud of each topic with clouds."""
     from flatgrasp_cli.sources.summary import summarize
 
-    code = 0
+    reading = Sources(len(sources))
     for source in sources:
-        try:
+        with reading.each():
             summary = summarize(source)
-        except SourceError as error:
-            if len(sources) == 1:
-                raise
-            click.echo(f"flatgrasp: {error}", err=True)
-            code = error.exit_code
-            continue
-        if as_json:
-            values = {"schema": SCHEMA, **asdict(summary), "duration_s": summary.duration_s}
-            click.echo(json.dumps(values, allow_nan=False))
-        else:
-            _print(summary)
-    return code
+            if as_json:
+                values = {"schema": SCHEMA, **asdict(summary), "duration_s": summary.duration_s}
+                click.echo(json.dumps(values, allow_nan=False))
+            else:
+                _print(summary)
+    return reading.code
 
 
 def _print(summary: Summary) -> None:
