@@ -24,6 +24,10 @@ if TYPE_CHECKING:
     from flatgrasp_cli.profiles.settings import CagingSettings
 
 
+LISTED = 50
+"""Grasps that are printed for people."""
+
+
 @dataclass(frozen=True, slots=True)
 class _Outline:
     """What is caged: `thing` is its number in its cloud, None for a polygon; `stem` names its files."""
@@ -103,7 +107,7 @@ def _print(document: dict[str, Any]) -> None:
     way = "max" if document["closing"] == "inward" else "min"
     for heading in ("rank", "width", "another grasp from", "gets away from", "contacts"):
         table.add_column(heading, justify="right")
-    for grasp in document["grasps"]:
+    for grasp in document["grasps"][:LISTED]:
         cage = grasp["cage"]
         limits = [cage[f"basin_opening_{way}_m"], cage[f"opening_{way}_m"]]
         table.add_row(
@@ -115,6 +119,8 @@ def _print(document: dict[str, Any]) -> None:
     console = Console(width=None if sys.stdout.isatty() else 120)
     with console.capture() as text:
         console.print(table)
+        if len(document["grasps"]) > LISTED:
+            console.print(f"and {len(document['grasps']) - LISTED} more; --json lists them")
     click.echo(text.get(), nl=False)
 
 
