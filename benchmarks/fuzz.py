@@ -2,7 +2,7 @@
 
     python benchmarks/fuzz.py [--minutes 10] [--seed 0] [--only pcd ply mcap bag polygon gripper robot settings]
 
-Each input is planned, inspected or checked in a process forked for it, with 20 s of time, and 1 GB of memory beyond what
+Each input is planned, inspected or checked in a process forked for it, with 20 s of time, and 1 GB of memory more than
 the imports take. It must end with exit code 0, 1, 2 or 3; print JSON without NaN and nothing else; and say what is
 wrong in words: no traceback, no warning of a library. Inputs that fail are kept, each with what it printed.
 """
@@ -58,7 +58,8 @@ class Format:
 def plate() -> FloatArray:
     """Points (800, 3) of a plate, 120 × 40 × 10 mm, 0.8 m in front of the sensor."""
     half = np.array([0.06, 0.02, 0.005])
-    return np.random.default_rng(0).uniform(-half, half, (800, 3)) + np.array([0, 0, 0.8])
+    points: FloatArray = np.random.default_rng(0).uniform(-half, half, (800, 3)) + np.array([0, 0, 0.8])
+    return points
 
 
 def pcd_seeds() -> tuple[bytes, ...]:
