@@ -161,7 +161,7 @@ def test_the_command_line_beats_the_file() -> None:
     [
         ("fingers.stepm=1", "'step_m'"),
         ("finger.step_m=1", "'fingers'"),
-        ("fingers.step_m=-1", "greater than or equal to 0.0001"),
+        ("fingers.step_m=-1", "greater than or equal to 0.0005"),
         ("fingers.step_m", "section.key=value"),
         ("seed.x=1", "not a section"),
         ("fingers.step_m=true", "valid number"),

@@ -87,8 +87,9 @@ class FingerSettings(Profile):
 
     step: Literal["chord", "arc_length"]
     """Step points lie `step_m` apart in a straight line (eq. 1), or along the boundary."""
-    step_m: Step | None
-    """The paper's r; None: a 200th of the perimeter, 2 to 6 mm."""
+    step_m: Annotated[float, Field(ge=5e-4, le=10)] | None
+    """The paper's r; None: a 200th of the perimeter, 2 to 6 mm. Pairs, and memory, grow with its inverse square: half a
+    millimetre, finer than any depth camera, is the least."""
     chord_share_max: Share | None
     """Longest chord, as a share of the outline's longer side: on less than that a single finger's pad may bear. None:
     chords are as long as the jaw is wide, however small the object."""
