@@ -12,6 +12,7 @@ TYPE_CHECKING = False  # typing itself takes as long to load as Python does: Ctr
 if TYPE_CHECKING:
     from typing import Any
 
+    from flatgrasp_cli.model import Cloud, Sensor
     from flatgrasp_cli.planning import Plan, in_base_frame, plan
     from flatgrasp_cli.profiles import load_camera_pose, load_gripper, load_robot, load_settings
     from flatgrasp_cli.results.document import to_document
@@ -19,7 +20,9 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 __all__ = [
+    "Cloud",
     "Plan",
+    "Sensor",
     "in_base_frame",
     "load_camera_pose",
     "load_gripper",
@@ -31,6 +34,8 @@ __all__ = [
 ]
 
 _HOMES = {
+    "Cloud": "flatgrasp_cli.model",
+    "Sensor": "flatgrasp_cli.model",
     "Plan": "flatgrasp_cli.planning",
     "in_base_frame": "flatgrasp_cli.planning",
     "plan": "flatgrasp_cli.planning",

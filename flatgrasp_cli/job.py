@@ -6,7 +6,7 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from flatgrasp_cli.model import Cloud
+from flatgrasp_cli.model import Cloud, Sensor
 from flatgrasp_cli.mounting import Mounting
 from flatgrasp_cli.planning import Plan, plan
 from flatgrasp_cli.profiles import Gripper, PlannerSettings
@@ -15,12 +15,16 @@ from flatgrasp_cli.sources import EVERYTHING, Selection, read_clouds
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """Everything that decides an answer but the cloud itself; `scale` is the metres in a unit of the source."""
+    """Everything that decides an answer but the cloud itself.
+
+    `scale` is the metres in a unit of the source, `sensor` where the sensor was if that is stated, in the base frame.
+    """
 
     gripper: Gripper
     settings: PlannerSettings
     mounting: Mounting
     selection: Selection = EVERYTHING
+    sensor: Sensor | None = None
     scale: float = 1.0
     top: int = 10
 
@@ -33,7 +37,10 @@ class Job:
             cloud = next(clouds, None)
             if cloud is None:
                 return
-            yield self.mounting.placed(cloud), 1e3 * (time.perf_counter() - began)
+            placed = self.mounting.placed(cloud)
+            if self.sensor is not None:
+                placed = replace(placed, sensor=self.sensor)
+            yield placed, 1e3 * (time.perf_counter() - began)
 
     def plan(self, cloud: Cloud) -> Plan:
         """Plan grasps on one of them."""

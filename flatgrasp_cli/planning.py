@@ -13,7 +13,7 @@ from flatgrasp_cli.model import Cloud, CloudWarning, Grasp, ObjectPlan, Reach, R
 from flatgrasp_cli.planner import plan_object
 from flatgrasp_cli.profiles import CameraPose, Gripper, PlannerSettings, Robot, load_settings
 from flatgrasp_cli.robot import Motion, Plane, reach
-from flatgrasp_cli.scene import segment
+from flatgrasp_cli.scene import segment, without_far_strays
 from flatgrasp_cli.sensor import located
 
 REACH_CANDIDATES = 500
@@ -45,6 +45,11 @@ class Plan:
     def warnings(self) -> tuple[CloudWarning, ...]:
         """What had to be assumed and can change the answer."""
         return tuple(dict.fromkeys((*self.cloud.warnings, *self.scene.warnings)))
+
+    @property
+    def warning_lines(self) -> list[str]:
+        """The warnings as lines for people, which name the source; the same for all of its frames."""
+        return [f"{self.cloud.source.path}: {warning.text}" for warning in self.warnings]
 
     @property
     def reason(self) -> str | None:
@@ -83,7 +88,7 @@ def plan(
     """
     resolved = (settings or load_settings()).resolve(gripper)
     began = time.perf_counter()
-    cloud = located(cloud, resolved.scene.up, resolved.seed)
+    cloud = located(without_far_strays(cloud), resolved.scene.up, resolved.seed)
     scene = segment(cloud, resolved.scene, resolved.seed)
     segmented = time.perf_counter()
     plans = [plan_object(item, gripper, resolved, REACH_CANDIDATES if robot else top) for item in scene.objects]

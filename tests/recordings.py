@@ -140,3 +140,33 @@ def write_rosbag2(
         for k, stamp in enumerate(stamps(count)):
             writer.write(connection, stamp, raw_cloud(k))
     return folder
+
+
+def write_messages(folder: Path, messages: Sequence[tuple[str, str, int, Any]]) -> Path:
+    """A rosbag2 folder of any messages: topic, type, log time, and the message of the store ROS2."""
+    with Rosbag2Writer(folder, version=9) as writer:
+        connections: dict[str, Any] = {}
+        for topic, kind, stamp, message in messages:
+            if topic not in connections:
+                connections[topic] = writer.add_connection(topic, kind, typestore=ROS2)
+            writer.write(connections[topic], stamp, ROS2.serialize_cdr(message, kind))
+    return folder
+
+
+def header2(frame_id: str, stamp_ns: int = START_NS) -> Any:
+    """A header of the store ROS2."""
+    time = ROS2.types["builtin_interfaces/msg/Time"](*divmod(stamp_ns, 10**9))
+    return ROS2.types["std_msgs/msg/Header"](stamp=time, frame_id=frame_id)
+
+
+def transform2(
+    parent: str, child: str, xyz: Sequence[float], quaternion: Sequence[float] = (0, 0, 0, 1), stamp_ns: int = START_NS
+) -> tuple[str, Any]:
+    """The type and a TFMessage with one transform, of the store ROS2."""
+    types: Any = ROS2.types
+    motion = types["geometry_msgs/msg/Transform"](
+        types["geometry_msgs/msg/Vector3"](*map(float, xyz)),
+        types["geometry_msgs/msg/Quaternion"](*map(float, quaternion)),
+    )
+    stamped = types["geometry_msgs/msg/TransformStamped"](header2(parent, stamp_ns), child, motion)
+    return "tf2_msgs/msg/TFMessage", types["tf2_msgs/msg/TFMessage"]([stamped])

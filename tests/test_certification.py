@@ -226,7 +226,7 @@ def test_an_outline_that_touches_itself_has_grasps(run: Run, tmp_path: Path) -> 
 
 def test_points_without_an_outline(run: Run, tmp_path: Path) -> None:
     rng = np.random.default_rng(0)
-    blobs = [rng.normal((x, x, 1.0), 0.001, (100, 3)) for x in (0.0, 0.1)]
+    blobs = [rng.normal((x, x, 0.0), 0.001, (100, 3)) for x in (0.0, 0.1)]
     path = write_pcd(tmp_path / "two.pcd", np.concatenate(blobs))
     cage, comparison = run("cage", path, "--json", "--out", "out"), run("compare", path, "--json", "--out", "out")
     assert (cage.code, comparison.code) == (1, 1)

@@ -27,12 +27,12 @@ def slab(width_mm: float, height_mm: float, thickness_mm: float = 10, points: in
     return np.vstack([rng.uniform(-half, half, (points, 3)), corners * half])
 
 
-def write_pcd(path: Path, points: FloatArray) -> Path:
+def write_pcd(path: Path, points: FloatArray, above: float = 1.0) -> Path:
     """Write points as a binary PCD file, seen from a metre above."""
     path.parent.mkdir(parents=True, exist_ok=True)
     header = (
         "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n"
-        f"WIDTH {len(points)}\nHEIGHT 1\nVIEWPOINT 0 0 1 1 0 0 0\nPOINTS {len(points)}\nDATA binary\n"
+        f"WIDTH {len(points)}\nHEIGHT 1\nVIEWPOINT 0 0 {above} 1 0 0 0\nPOINTS {len(points)}\nDATA binary\n"
     )
     path.write_bytes(header.encode() + points.astype("<f4").tobytes())
     return path
@@ -212,7 +212,7 @@ def test_the_document_says_what_it_was_made_with(plate: Path, run: Run) -> None:
 
 
 def test_scale_takes_millimetres(plate: Path, tmp_path: Path, run: Run) -> None:
-    other = write_pcd(tmp_path / "mm.pcd", 1000 * slab(120, 40))
+    other = write_pcd(tmp_path / "mm.pcd", 1000 * slab(120, 40), above=1000.0)
     (document,) = documents(run("plan", other, "--json", "--scale", "0.001").out)
     (metres,) = documents(run("plan", plate, "--json").out)
     first, second = (each["objects"][0]["obb"]["size_m"] for each in (document, metres))

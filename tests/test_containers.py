@@ -40,6 +40,7 @@ from tests.recordings import (
 )
 
 if TYPE_CHECKING:
+    from flatgrasp_cli.sources.containers.mcap import McapRecording
     from flatgrasp_cli.sources.containers.ros1_bag import Ros1Recording
 
 RECORDINGS = Path(__file__).resolve().parents[2] / "shared" / "data" / "recordings"
@@ -566,6 +567,30 @@ def test_any_bytes_give_an_error_in_words_at_most(container: str, tmp_path: Path
             assert str(error).startswith("rec: ")  # noqa: PT017 most of the files can be read
         else:
             assert len(messages) <= 6
+
+
+def test_an_index_that_points_where_no_file_can_be_is_damage(tmp_path: Path) -> None:
+    path = write_mcap(tmp_path / "a", compression=CompressionType.NONE, enable_crcs=False)
+    with open_recording(path, "rec") as recording:
+        place = cast("McapRecording", recording).chunks[0].offset
+    data = bytearray(path.read_bytes())
+    at = data.index(struct.pack("<Q", place))
+    data[at : at + 8] = b"\xff" * 8
+    path.write_bytes(data)
+    messages, problems = read(path)
+    assert 0 < len(messages) < 5
+    assert problems
+
+
+def test_a_channel_that_only_a_chunk_declares_is_no_topic(tmp_path: Path) -> None:
+    path = write_mcap(tmp_path / "a", compression=CompressionType.NONE, enable_crcs=False)
+    data = bytearray(path.read_bytes())
+    at = data.index(struct.pack("<I", len(POINTS)) + POINTS.encode()) - 4
+    data[at : at + 4] = struct.pack("<HH", 9, 0)  # another id, and no schema
+    path.write_bytes(data)
+    with open_recording(path, "rec") as recording:
+        for _ in range(2):
+            assert {message.topic.type for message in recording.messages([POINTS])} == {CLOUD_TYPE}
 
 
 def test_ros1_chunks_beyond_damage_are_found_by_the_index(tmp_path: Path) -> None:

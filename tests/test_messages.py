@@ -24,10 +24,12 @@ from flatgrasp_cli.sources.messages import (
     MissingCameraInfo,
     info_topics_for,
     is_depth,
+    is_lossy_depth,
 )
 from flatgrasp_cli.sources.messages.foxglove import decode_foxglove
 from flatgrasp_cli.sources.messages.packed import BLOCK
 from flatgrasp_cli.sources.messages.pointcloud2 import decode_pointcloud, decode_pointcloud2
+from tests.test_rvl import encode_rvl
 
 RECORDINGS = Path(__file__).resolve().parents[2] / "shared" / "data" / "recordings"
 ROS_TYPES = {"i1": 1, "u1": 2, "i2": 3, "u2": 4, "i4": 5, "u4": 6, "f4": 7, "f8": 8}
@@ -189,7 +191,19 @@ def test_the_last_rows_padding_may_be_missing_and_one_rows_step_unset() -> None:
     np.testing.assert_array_equal(decode_pointcloud2(message).points, FINITE)
     message = cloud2(POINTS, XYZ, 16)
     message.row_step = 0
-    np.testing.assert_array_equal(decode_pointcloud2(message).points, FINITE)
+    decoded = decode_pointcloud2(message)
+    np.testing.assert_array_equal(decoded.points, FINITE)
+    assert decoded.warnings == ()
+
+
+@pytest.mark.parametrize("row_step", [0, 2, 3 * 2, 96, 2**31])
+def test_a_wrong_row_step_is_ignored_if_the_data_is_exact(row_step: int) -> None:
+    message = patched(cloud2(POINTS, XYZ, 16, (3, 2)), row_step=row_step)
+    decoded = decode_pointcloud2(message)
+    np.testing.assert_array_equal(decoded.points, FINITE)
+    assert [warning.code for warning in decoded.warnings] == ["row_step_ignored"]
+    with pytest.raises(MessageError):
+        decode_pointcloud2(patched(message, data=message.data[:-1]))
 
 
 @pytest.mark.parametrize(
@@ -200,7 +214,7 @@ def test_the_last_rows_padding_may_be_missing_and_one_rows_step_unset() -> None:
         ({"height": 2**32 - 1, "width": 2**32 - 1, "row_step": 2**36}, "data has 96 bytes, 4294967295 × "),
         ({"point_step": 0}, "point_step is 0"),
         ({"point_step": 8, "row_step": 48}, "field z takes 4 bytes at offset 8, but a point has 8 bytes"),
-        ({"height": 2, "width": 3, "row_step": 40}, "row_step is 40, but 3 points of 16 bytes need 48"),
+        ({"height": 2, "width": 2, "row_step": 31}, "row_step is 31, but 2 points of 16 bytes need 32"),
         ({"fields": []}, "has no field x or y or z of a known type; its fields: none"),
         ({"fields": [record(name="x", offset=0, datatype=9)]}, "has no field x or y or z"),
         ({"fields": [record(name=n, offset=-4, datatype=7) for n in "xyz"]}, "at offset -4"),
@@ -389,9 +403,24 @@ def test_compressed_inverse_depth() -> None:
     assert decoded.dropped == 2
 
 
-def test_rvl_says_what_to_do() -> None:
-    with pytest.raises(MessageError, match=r"^compressedDepth rvl is not read; republish as png$"):
-        decode(compressed(DEPTH_MM, "16UC1; compressedDepth rvl"))
+@pytest.mark.parametrize(("encoding", "quantisation"), [("16UC1", (0.0, 0.0)), ("32FC1", (1000.0, 100.0))])
+def test_compressed_as_rvl(encoding: str, quantisation: tuple[float, float]) -> None:
+    raw = np.full((HEIGHT, WIDTH), 1100)
+    raw[0, :2] = 0
+    data = struct.pack("<iff", 0, *quantisation) + encode_rvl(raw)
+    decoded = decode(record(header=HEADER, format=f"{encoding}; compressedDepth rvl", data=data))
+    assert decoded.dropped == 2
+    np.testing.assert_allclose(decoded.points[:, 2], 1.1 if encoding == "16UC1" else 1.0, rtol=1e-12)
+
+
+def test_jpeg_is_refused_with_the_reason() -> None:
+    jpeg = record(header=HEADER, format="16UC1; jpeg compressed mono8", data=b"\xff\xd8" + bytes(50))
+    assert not is_depth(jpeg)
+    assert is_lossy_depth(jpeg)
+    with pytest.raises(MessageError, match=r"^is JPEG, which destroys depth: record the image raw"):
+        decode(jpeg)
+    with pytest.raises(MessageError, match="is no PNG but JPEG, which destroys depth"):
+        decode(record(header=HEADER, format="16UC1; png compressed", data=jpeg.data))
 
 
 def test_which_images_are_depth() -> None:
@@ -423,7 +452,7 @@ def bomb() -> Any:
     ("message", "text"),
     [
         (patched(image(), data=bytes(10)), "data has 10 bytes, 8 × 6 pixels in rows of 16 bytes need 96"),
-        (patched(image(), step=15), "step is 15, but 8 pixels of 2 bytes need 16"),
+        (patched(image(padding=1), step=15), "step is 15, but 8 pixels of 2 bytes need 16"),
         (patched(image(), encoding="rgb8"), "has encoding 'rgb8', which is no depth"),
         (patched(compressed(DEPTH_MM), format="jpeg"), "has format 'jpeg', which is no depth"),
         (patched(compressed(DEPTH_MM), data=bytes(4)), "data has 4 bytes, less than the header"),
@@ -519,13 +548,18 @@ def test_pixels_whose_distortion_has_no_inverse_are_dropped() -> None:
 @pytest.mark.parametrize(
     ("changes", "text"),
     [
-        ({"k": np.zeros(9)}, "not calibrated"),
+        ({"k": np.zeros(9), "p": np.zeros(12)}, "not calibrated; give --intrinsics fx,fy,cx,cy"),
         (
             {"width": 16, "height": 12},
             "its CameraInfo is for 16 × 12, 2 times as large, and names no binning",
         ),
-        ({"width": 9}, "the image is 8 × 6, but its CameraInfo is for 9 × 6$"),
+        ({"width": 9}, "the image is 8 × 6, but its CameraInfo is for 9 × 6; .* --intrinsics$"),
         ({"distortion_model": "magic", "d": np.ones(5)}, "distortion model 'magic'"),
+        (
+            {"distortion_model": "Inverse Brown Conrady", "d": np.full(5, 0.1)},
+            "'inverse brown conrady' .* --intrinsics",
+        ),
+        ({"distortion_model": "Ftheta"}, "distortion model 'ftheta'"),
         ({"d": np.ones(3)}, "plumb_bob takes 4 or 5 numbers"),
     ],
 )
@@ -560,6 +594,116 @@ def test_topics_of_infos() -> None:
     assert info_topics_for(IMAGE + "/compressedDepth", topics) == (INFO,)
     assert info_topics_for("/depth", topics) == tuple(topics)
     assert info_topics_for("/sim/depth", ["/sim/depth/camera_info"]) == ("/sim/depth/camera_info",)
+
+
+@pytest.mark.parametrize("step", [0, 8, 500])
+def test_a_wrong_step_of_an_image_is_ignored_if_the_data_is_exact(step: int) -> None:
+    decoded = decode(patched(image(), step=step))
+    np.testing.assert_allclose(decoded.points, expected(), rtol=1e-12)
+    assert [warning.code for warning in decoded.warnings] == ["row_step_ignored"]
+
+
+@pytest.mark.parametrize(
+    ("topic", "rectified"),
+    [
+        ("/camera/depth/image_raw", False),
+        ("/camera/depth_registered/image_raw", False),  # in the raw colour image
+        ("/camera/depth/correct", False),
+        ("/camera/depth/image_unrectified", False),
+        ("/camera/depth/image_rect", True),
+        ("/camera/depth/image_rect_raw/compressedDepth", True),
+        ("/stereo/depth_rect", True),
+        ("/kinect/rect/depth", True),
+        ("/camera/rectified_depth/image", True),
+        ("/camera/aligned_depth_to_color/image_raw", True),
+        ("/zed/zed_node/depth/depth_registered", True),
+    ],
+)
+def test_what_is_rectified_is_not_undistorted(topic: str, rectified: bool) -> None:
+    projection = np.array([2 * F, 0, CX, 0, 0, 2 * F, CY, 0, 0, 0, 1, 0])
+    cameras = DepthCameras()
+    cameras.add_info("/other/camera_info", info(d=np.full(5, 0.1), p=projection))
+    points = cameras.decode(topic, image()).points
+    halved = expected()[:, :2] / 2
+    assert (len(points) == len(halved) and np.allclose(points[:, :2], halved)) == rectified
+
+
+def test_a_camera_with_a_projection_alone_is_rectified() -> None:
+    decoded = decode(image(), info(k=np.zeros(9), d=np.full(5, 0.1)))
+    np.testing.assert_allclose(decoded.points, expected(), rtol=1e-12)
+
+
+@pytest.mark.parametrize("model", ["", "None", "Brown Conrady", "Inverse Brown Conrady", "Modified Brown Conrady"])
+def test_without_coefficients_the_sdks_models_are_pinholes(model: str) -> None:
+    np.testing.assert_allclose(decode(image(), info(distortion_model=model)).points, expected(), rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("theirs", "ours", "d"),
+    [
+        ("Brown Conrady", "plumb_bob", [0.1, -0.05, 0.001, 0.002, 0.01]),
+        ("Kannala Brandt4", "equidistant", [0.1, 0, 0, 0]),
+    ],
+)
+def test_models_that_the_sdk_calls_otherwise(theirs: str, ours: str, d: list[float]) -> None:
+    same = decode(image(), info(distortion_model=ours, d=np.array(d))).points
+    np.testing.assert_array_equal(decode(image(), info(distortion_model=theirs, d=np.array(d))).points, same)
+    fifth = info(distortion_model=theirs, d=np.array([*d, 0.0][:5]))
+    np.testing.assert_array_equal(decode(image(), fifth).points, same)
+
+
+def test_stated_intrinsics_count_before_all_others_and_without_any() -> None:
+    stated = CameraInfo.from_message(info(k=np.array([2 * F, 0, CX, 0, 2 * F, CY, 0, 0, 1])))
+    cameras = DepthCameras(stated)
+    halved = expected() / [2, 2, 1]
+    np.testing.assert_allclose(cameras.decode(IMAGE, image()).points, halved, rtol=1e-12)
+    cameras.add_info(INFO, info())
+    np.testing.assert_allclose(cameras.decode(IMAGE, image()).points, halved, rtol=1e-12)
+
+
+# units
+
+
+def test_the_unit_that_is_stated_recorded_or_written_after_the_image() -> None:
+    cameras = DepthCameras()
+    cameras.add_info(INFO, info())
+    tenth = record(data=np.float32(1e-4))
+    far = patched(image(10 * DEPTH_MM), depth_units=0.0)  # an SDK's image that is no depth says 0
+    assert [warning.code for warning in cameras.decode(IMAGE, far).warnings] == ["depth_unit_assumed"]
+    cameras.add_unit(tenth)
+    decoded = cameras.decode(IMAGE, far)
+    np.testing.assert_allclose(decoded.points, expected(), rtol=1e-6)
+    assert decoded.warnings == ()
+    with pytest.raises(MessageError, match="says that a count of depth is nan m"):
+        cameras.add_unit(record(data=NAN))
+    written = patched(far, depth_units=2e-4)
+    np.testing.assert_allclose(cameras.decode(IMAGE, written).points, 2 * expected(), rtol=1e-6)
+    stated = DepthCameras(CameraInfo.from_message(info()), 3e-4)
+    np.testing.assert_allclose(stated.decode(IMAGE, written).points, 3 * expected(), rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("encoding", "depth", "said"),
+    [
+        ("16UC1", 800, None),
+        ("16UC1", 8000, "millimetres"),
+        ("16UC1", 40, "millimetres"),
+        ("32FC1", 0.8, None),
+        ("32FC1", 800.0, "metres"),
+    ],
+)
+def test_depth_that_no_arm_reaches_is_a_hint_at_the_unit(encoding: str, depth: float, said: str | None) -> None:
+    raw = np.full((HEIGHT, WIDTH), depth)
+    warnings = decode(image(raw, encoding)).warnings
+    assert [f"taken to be in {said}," in warning.text and "--depth-unit" in warning.text for warning in warnings] == [
+        True
+    ] * (said is not None)
+    raw[0, :4] = 1.0 if encoding == "32FC1" else 1000  # a twelfth of the picture is near enough
+    assert decode(image(raw, encoding)).warnings == ()
+
+
+def test_no_depth_at_all_is_no_hint() -> None:
+    assert decode(image(np.zeros((HEIGHT, WIDTH)))).warnings == ()
 
 
 def test_equal_calibrations_are_one_key() -> None:

@@ -171,6 +171,6 @@ def test_odd_clouds_get_both_files(points: np.ndarray, tmp_path: Path, run: Run)
     path = write_pcd(tmp_path / "odd.pcd", points)
     done = run("plan", path, "--out", "out", "--plots", "stages", "--gripper", "pr2")
     assert done.code in (0, 1)
-    assert len(done.err.splitlines()) == done.code
+    assert all(line.startswith("flatgrasp: ") for line in done.err.splitlines())
     json.loads(Path("out/odd.grasps.json").read_text(encoding="utf-8"), parse_constant=pytest.fail)
     assert Path("out/odd.grasps.png").read_bytes().startswith(PNG)

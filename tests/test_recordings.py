@@ -46,7 +46,10 @@ STAMPS = [START_NS + k * PERIOD_NS for k in range(3)]
 PAN_X_M = 0.5
 """Where make_recordings.py puts the pan in base_link."""
 FLOATS = {"f4": 7, "f8": 8}
-NO_INFO = "expected on /depth/camera_info, or one for frame 'camera' and 2 × 2 pixels; CameraInfos seen so far: none"
+NO_INFO = (
+    "expected on /depth/camera_info, or one for frame 'camera' and 2 × 2 pixels; CameraInfos seen so far: none; "
+    "or give --intrinsics fx,fy,cx,cy"
+)
 
 
 def frames(path: Path, **wanted: Any) -> list[Cloud]:

@@ -13,10 +13,10 @@ from scipy.spatial.transform import Rotation
 
 from flatgrasp_cli import load_gripper, load_settings, plan, read_clouds
 from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.frames import frame_on_plane
 from flatgrasp_cli.model import Cloud, ObjectCloud, Scene, Sensor, Source, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene import segment
-from flatgrasp_cli.scene.clusters import plane_frame
 from flatgrasp_cli.scene.raster import Grid, Raster, fitting_cell_m, smoothed
 from flatgrasp_cli.scene.support_plane import find_support_plane, looks_down
 from flatgrasp_cli.sensor import located
@@ -369,7 +369,7 @@ class TestRaster:
     @settings(max_examples=15)
     def test_the_planes_frame_is_right_handed_with_its_normal_up(self, vector: tuple[float, float, float]) -> None:
         normal = np.array(vector) / np.linalg.norm(vector)
-        frame = plane_frame(SupportPlane(normal, 0.3, 0.001))
+        frame = frame_on_plane(normal, 0.3)
         assert frame.axes @ frame.axes.T == pytest.approx(np.eye(3), abs=1e-12)
         assert np.cross(frame.axes[0], frame.axes[1]) == pytest.approx(normal, abs=1e-12)
         assert frame.origin @ normal == pytest.approx(0.3)

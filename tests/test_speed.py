@@ -21,6 +21,7 @@ from flatgrasp_cli import Plan, load_gripper, load_settings, plan, read_clouds
 from flatgrasp_cli.geometry.alpha_shape import alpha_region
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
+from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Cloud, Grasp
 from flatgrasp_cli.planner import depth, gravity, pipeline, silhouette
 from flatgrasp_cli.profiles import Gripper
@@ -72,7 +73,7 @@ def test_the_outline_is_that_of_a_triangulation(name: str, pr2: Gripper) -> None
 
 def test_the_spacing_is_that_of_the_six_nearest_neighbours() -> None:
     points = np.random.default_rng(0).uniform(0, 0.1, (3000, 2))
-    sample = points[:: len(points) // silhouette.SPACING_SAMPLES]
+    sample = points[spread_indices(len(points), silhouette.SPACING_SAMPLES)]
     distances, _ = KDTree(points).query(sample, k=[silhouette.NEIGHBOURS + 1])
     assert silhouette.spacing(points) == pytest.approx(np.quantile(distances, silhouette.SPACING_QUANTILE), rel=0.01)
 

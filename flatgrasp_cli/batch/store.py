@@ -196,6 +196,7 @@ def _manifest(job: Job, plots: bool) -> dict[str, Any]:
         "camera": job.mounting.camera and job.mounting.camera.model_dump(mode="json"),
         "base_frame": job.mounting.base_frame,
         "selection": repr(job.selection),
+        "sensor": job.sensor and repr(job.sensor),
         "scale": job.scale,
         "top": job.top,
         "plots": plots,

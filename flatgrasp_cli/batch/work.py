@@ -47,7 +47,9 @@ def work(job: Job, piece: Slice, plots: bool) -> Done:
     with _warnings() as warnings:
         try:
             for cloud, read_ms in mine.clouds(piece.input.source, colors=plots):
-                frames.append(_planned(mine.plan(cloud), read_ms, plots))
+                plan = mine.plan(cloud)
+                frames.append(_planned(plan, read_ms, plots))
+                warnings += [text for text in plan.warning_lines if text not in warnings]
         except NoFramesError as nothing:
             empty = str(nothing)
         except FlatgraspError as problem:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from flatgrasp_cli.cli.outputs import NO_GRASP, Names, Pictures, say_refusal
+from flatgrasp_cli.cli.outputs import NO_GRASP, Names, Pictures, Warnings, say_refusal
 from flatgrasp_cli.cli.planning_options import planning_options
 
 if TYPE_CHECKING:
@@ -82,8 +82,10 @@ def _outlines(source: str, job: Job) -> Iterator[list[_Outline]]:
         exact = {"tolerance_m": 0.0, "noise_m": 0.0, "told_apart_m": 0.0, "max_vertices": 1000}
         yield [_Outline(stem, source, None, read_polygon(source), caging.model_copy(update=exact))]
         return
+    warnings = Warnings()
     for cloud, _ in job.clouds(source):
         plan, name = job.plan(cloud), names.of_frame(stem, cloud)
+        warnings.tell(plan)
         if not plan.objects:
             say_refusal(plan)
         yield [_of_object(item, name, str(cloud.source), caging) for item in plan.objects]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from flatgrasp_cli.cli.outputs import NO_GRASP, Names, Pictures, Sources, say_refusal
+from flatgrasp_cli.cli.outputs import NO_GRASP, Names, Pictures, Sources, Warnings, say_refusal
 from flatgrasp_cli.cli.planning_options import planning_options
 
 if TYPE_CHECKING:
@@ -39,12 +39,13 @@ def command(sources: tuple[str, ...], job: Job, out: Path | None, as_json: bool)
     from flatgrasp_cli.results.document import to_json
 
     names, reading, pictures = Names(), Sources(len(sources)), Pictures(out)
-    rows, code = [], 0
+    warnings, rows, code = Warnings(), [], 0
     for source in sources:
         stem = names.of_source(source)
         with reading.each():
             for cloud, _ in job.clouds(source):
                 plan, name = job.plan(cloud), names.of_frame(stem, cloud)
+                warnings.tell(plan)
                 for pair in compare(plan):
                     rows.append(_row(str(cloud.source), pair))
                     if as_json:

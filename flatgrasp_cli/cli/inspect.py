@@ -6,7 +6,7 @@ import json
 import sys
 from dataclasses import asdict
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -18,6 +18,18 @@ if TYPE_CHECKING:
     from flatgrasp_cli.sources.summary import CloudSummary, Summary, TopicSummary
 
 SCHEMA = "flatgrasp.inspect/1"
+KNOWN_FROM = {
+    "option": "stated",
+    "projection": "the centre of projection of the organised cloud",
+    "viewpoint": "as the file states",
+    "inverse_viewpoint": "the inverse of the pose that the file states",
+    "frame": "the origin of the cloud's own frame",
+    "transforms": "by the recording's transforms",
+    "visibility": "the only place that fits the cloud's shape",
+    "up": "only the way up is known",
+    "assumed": "assumed",
+    "all_sides": "seen from all sides",
+}
 LISTED = 10
 """Kinds of problems that are printed for people."""
 
@@ -86,12 +98,25 @@ def _print_cloud(console: Console, cloud: CloudSummary) -> None:
     where = f"first cloud on {cloud.topic}" if cloud.topic else "cloud"
     frame = f" in {cloud.frame_id}" if cloud.frame_id else ""
     size = " × ".join(str(side) for side in cloud.shape[::-1] if side != 1) or "1"
-    console.print(f"{_plain(where + frame)}: {size} points, {100 * cloud.nan_share:.1f} % without a place")
+    console.print(f"{_plain(where + frame)}: {size} points, {100 * cloud.nan_share:.1f} % not measured")
     if cloud.fields:
         console.print(f"  fields: {_plain(' '.join(cloud.fields))}")
     if cloud.low_m is not None and cloud.high_m is not None:
         sides = zip("xyz", cloud.low_m, cloud.high_m, strict=True)
         console.print("  extent: " + ", ".join(f"{axis} {low:.3f} … {high:.3f} m" for axis, low, high in sides))
+    console.print(f"  sensor: {_where(cloud.sensor)}")
+    for warning in cloud.warnings:
+        console.print(f"  warning: {_plain(warning)}")
+
+
+def _where(sensor: dict[str, Any]) -> str:
+    """Where the sensor was, and how that is known."""
+    known = KNOWN_FROM[sensor["known_from"]]
+    if sensor["position"] is not None:
+        return f"at {' '.join(f'{value:z.3f}' for value in sensor['position'])} m, {known}"
+    if sensor["direction"] is not None:
+        return f"toward {' '.join(f'{value:z.2f}' for value in sensor['direction'])}, {known}"
+    return known
 
 
 def _plain(text: str) -> str:

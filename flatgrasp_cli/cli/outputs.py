@@ -76,11 +76,26 @@ class Pictures:
                 write_bytes(path, content)
 
 
+class Warnings:
+    """Says on stderr what had to be assumed, once for each source and not for each of its frames."""
+
+    def __init__(self) -> None:
+        self._told: set[str] = set()
+
+    def tell(self, plan: Plan) -> None:
+        """Say the warnings of a plan that were not said before."""
+        for line in plan.warning_lines:
+            if line not in self._told:
+                self._told.add(line)
+                click.echo(f"flatgrasp: warning: {line}", err=True)
+
+
 class Outputs:
     """Writes each plan as asked: into `folder` (None: no files), and to stdout as JSON or as a table."""
 
     def __init__(self, folder: Path | None, as_json: bool, plots: str) -> None:
         self._folder, self._as_json, self._stages = folder, as_json, plots == "stages"
+        self._warnings = Warnings()
         self.refused = 0
         self.draws = folder is not None and plots != "none"
         self.pictures = Pictures(folder if self.draws else None)
@@ -92,6 +107,7 @@ class Outputs:
         """Write one plan, pictures last; says on stderr when it has no grasp."""
         from flatgrasp_cli.results.document import to_document, to_json
 
+        self._warnings.tell(plan)
         document = to_document(plan, read_ms)
         if self._folder is not None:
             path = self._folder / f"{stem}.grasps.json"

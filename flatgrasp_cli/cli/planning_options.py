@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from functools import wraps
 from typing import TYPE_CHECKING, Any
 
@@ -14,15 +15,34 @@ from flatgrasp_cli.errors import UsageError
 
 if TYPE_CHECKING:
     from flatgrasp_cli.job import Job
-    from flatgrasp_cli.sources.selection import Selection
+    from flatgrasp_cli.sources.selection import DepthAxes, Selection
 
 
-def _positive(_context: click.Context, _parameter: click.Parameter, value: float) -> float:
-    if not 0 < value < math.inf:  # false for NaN, too
+def _positive(_context: click.Context, _parameter: click.Parameter, value: float | None) -> float | None:
+    if value is not None and not 0 < value < math.inf:  # false for NaN, too
         raise click.BadParameter(f"{value} is not a positive number")
     return value
 
 
+IMAGE_OPTIONS = (
+    click.option(
+        "--intrinsics",
+        metavar="FX,FY,CX,CY|FILE",
+        help="Of the camera of depth images: pixels, a ROS camera_info (YAML), or Open3D's JSON.",
+    ),
+    click.option(
+        "--depth-unit",
+        type=float,
+        callback=_positive,
+        metavar="METRES",
+        help="One count of depth images in metres; 0.001 for integers, 1 for floats if not given.",
+    ),
+    click.option(
+        "--depth-axes",
+        type=click.Choice(["optical", "body"]),
+        help="Of the frame of depth images: z forward, y down, or x forward, z up; else as names and transforms say.",
+    ),
+)
 OPTIONS = (
     click.option(
         "--gripper",
@@ -60,7 +80,15 @@ OPTIONS = (
         help="Which objects of a scene to plan: nearest to the sensor, largest, or nearest to a place.",
     ),
     click.option(
-        "--up", metavar="X,Y,Z", help="Direction of the support plane's normal; else the biggest plane in view."
+        "--up",
+        metavar="X,Y,Z",
+        help="The way up in the frame of the answer: normal of the support plane, and the side the hand comes from.",
+    ),
+    click.option(
+        "--sensor",
+        metavar="X,Y,Z|FRAME|above|none",
+        help="Where the sensor was: a place in the frame of the answer, a frame of the recording, above, or in several "
+        "places (merged clouds); else found, or assumed with a warning.",
     ),
     click.option("--crop", metavar="XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX", help="Region of interest in metres."),
     click.option(
@@ -92,6 +120,7 @@ OPTIONS = (
     click.option("--every", metavar="N|SECONDSs", help="Every N-th frame (5), or one frame a period (0.5s)."),
     click.option("--count", type=click.IntRange(min=1), metavar="N", help="At most so many frames of each recording."),
     click.option("--strict", is_flag=True, help="The first damage in a recording is an error, not a warning."),
+    *IMAGE_OPTIONS,
     click.option(
         "--scale",
         type=float,
@@ -117,6 +146,7 @@ NAMES = (
         "scene",
         "select",
         "up",
+        "sensor",
         "crop",
         "prefer",
         "require",
@@ -125,7 +155,20 @@ NAMES = (
         "camera_pose",
         "base_frame",
     ),
-    *("topic", "start", "end", "at", "every", "count", "strict", "scale", "top"),
+    *(
+        "topic",
+        "start",
+        "end",
+        "at",
+        "every",
+        "count",
+        "strict",
+        "intrinsics",
+        "depth_unit",
+        "depth_axes",
+        "scale",
+        "top",
+    ),
 )
 
 
@@ -149,6 +192,7 @@ def _job(
     scene: str | None,
     select: str | None,
     up: str | None,
+    sensor: str | None,
     crop: str | None,
     prefer: str | None,
     require: str | None,
@@ -163,17 +207,20 @@ def _job(
     from flatgrasp_cli.job import Job
     from flatgrasp_cli.mounting import mounting
     from flatgrasp_cli.profiles import load_gripper, load_settings
+    from flatgrasp_cli.sensor.statement import parse_sensor
 
     asked = {"scene.mode": scene, "scene.select": _list(select), "scene.up": _list(up), "scene.crop": _list(crop)}
     asked |= {"caging.prefer": prefer, "caging.closing": closing, "caging.require": "true" if require else None}
     shortcuts = tuple(f"{key}={value}" for key, value in asked.items() if value is not None)
+    stated = None if sensor is None else parse_sensor(sensor)
     return Job(
-        load_gripper(gripper),
-        load_settings(method, (*shortcuts, *overrides)),
-        mounting(robot, camera_pose, base_frame),
-        _selection(**frames),
-        scale,
-        top,
+        gripper=load_gripper(gripper),
+        settings=load_settings(method, (*shortcuts, *overrides)),
+        mounting=mounting(robot, camera_pose, base_frame),
+        selection=replace(_selection(**frames), sensor_frame=stated if isinstance(stated, str) else None),
+        sensor=None if isinstance(stated, str) else stated,
+        scale=scale,
+        top=top,
     )
 
 
@@ -192,7 +239,11 @@ def _selection(
     every: str | None,
     count: int | None,
     strict: bool,
+    intrinsics: str | None,
+    depth_unit: float | None,
+    depth_axes: DepthAxes | None,
 ) -> Selection:
+    from flatgrasp_cli.sources.intrinsics import parse_intrinsics
     from flatgrasp_cli.sources.selection import Every, Selection, parse_every, parse_moment
 
     if at is not None and (start, end, every, count) != (None, None, None, None):
@@ -205,4 +256,7 @@ def _selection(
         every=Every() if every is None else parse_every(every),
         count=count,
         strict=strict,
+        intrinsics=None if intrinsics is None else parse_intrinsics(intrinsics),
+        depth_unit_m=depth_unit,
+        depth_axes=depth_axes,
     )

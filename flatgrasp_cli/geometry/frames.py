@@ -28,6 +28,14 @@ class Frame:
         return world
 
 
+def frame_on_plane(normal: FloatArray, offset: float) -> Frame:
+    """A frame whose z axis is a plane's unit `normal` (3,) and whose origin lies in the plane, `offset` along it."""
+    helper = np.eye(3)[int(np.argmin(np.abs(normal)))]
+    x = np.cross(helper, normal)
+    x /= np.linalg.norm(x)
+    return Frame(offset * normal, np.stack([x, np.cross(normal, x), normal]))
+
+
 def axes_from_quaternion(quaternion: FloatArray) -> FloatArray:
     """Rows (3, 3): the x, y, z axes in the world of the frame with unit `quaternion` [x, y, z, w]."""
     x, y, z, w = quaternion

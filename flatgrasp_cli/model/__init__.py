@@ -5,6 +5,7 @@ Lengths are metres, angles in names ending `_deg` degrees. "Plane" coordinates (
 
 from flatgrasp_cli.model.candidates import FingerCandidates, GraspCandidates
 from flatgrasp_cli.model.clouds import (
+    SENSOR_FROM_TF,
     Cloud,
     CloudWarning,
     Floor,
@@ -21,6 +22,7 @@ from flatgrasp_cli.model.outlines import OrientedBox, Silhouette, StepPoints
 from flatgrasp_cli.model.plans import ObjectPlan, Rejection, Stage, Trace
 
 __all__ = [
+    "SENSOR_FROM_TF",
     "Cage",
     "Closure",
     "Cloud",

@@ -14,6 +14,9 @@ from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 LARGEST_COORDINATE_M = 1e4
 """What lies farther from the origin than 10 km was not measured by anything that looks at objects."""
 
+SENSOR_FROM_TF = "sensor_from_tf"
+"""Code of the warning that holds only while the sensor is where the transforms have it."""
+
 KnownFrom = Literal[
     "option",
     "projection",
@@ -160,17 +163,15 @@ class Cloud:
             object.__setattr__(self, "viewpoint", _place(self.viewpoint))
         lost = _not_measured(points)
         if len(lost):
-            self._drop(lost)
+            rest = self.without(lost)
+            for name in ("points", "dropped", "colors", "pixels"):
+                object.__setattr__(self, name, getattr(rest, name))
 
-    def _drop(self, lost: IntArray) -> None:
-        """Take out the points `lost` (k,), and count them."""
+    def without(self, lost: IntArray) -> Cloud:
+        """The cloud without the points in the rows `lost` (k,), which count as dropped."""
         keep = np.ones(len(self.points), dtype=np.bool_)
         keep[lost] = False
-        rest = {"points": self.points[keep], "dropped": self.dropped + len(lost)}
-        rest |= {} if self.colors is None else {"colors": self.colors[keep]}
-        rest |= {} if self.pixels is None else {"pixels": self.pixels.select(keep)}
-        for name, value in rest.items():
-            object.__setattr__(self, name, value)
+        return replace(self.select(keep), dropped=self.dropped + len(lost))
 
     def select(self, keep: BoolArray) -> Cloud:
         """The points (n,) that `keep` names."""

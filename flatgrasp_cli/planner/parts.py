@@ -10,6 +10,7 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.geometry.range_image import RangeImage
+from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import ObjectCloud, OrientedBox, SupportPlane
 from flatgrasp_cli.planner.depth import PALM_CELL_M, Terrain
 from flatgrasp_cli.planner.main_plane import oriented_box
@@ -29,7 +30,7 @@ MIN_CELL_M = 0.002
 """Cells of height maps: the points' spacing, but no smaller than what matters to a finger."""
 HANGING_M, MOST_HANGING_M = 0.02, 0.04
 """What begins higher than this and is nowhere larger than that does not stand on what was not seen of it."""
-BELOW, FREE_SHARE, BELOW_SAMPLES = (0.25, 0.5), 0.75, 200
+BELOW, FREE_SHARE, BELOW_SAMPLES = (0.25, 0.5), 0.5, 200
 """Where it is looked for free space below an object, in shares of its height, and how much of it makes it hang."""
 
 
@@ -87,7 +88,7 @@ def hanging_m(whole: Part) -> float:
     low = float(local[:, 2].min())
     if low < HANGING_M or float(np.ptp(local, axis=0).max()) > MOST_HANGING_M:
         return 0.0
-    x, y, _ = np.tile(local[:: max(1, len(local) // BELOW_SAMPLES)], (len(BELOW), 1)).T
+    x, y, _ = np.tile(local[spread_indices(len(local), BELOW_SAMPLES)], (len(BELOW), 1)).T
     heights = np.repeat(np.multiply(BELOW, low), len(x) // len(BELOW))
     hidden = whole.terrain.view.hides(np.stack([x, y, heights]), BEHIND_M)
     return low if 1 - hidden.mean() >= FREE_SHARE else 0.0

@@ -9,11 +9,13 @@ import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
-from flatgrasp_cli.geometry.frames import Frame
+from flatgrasp_cli.geometry.frames import Frame, frame_on_plane
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
+from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Floor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.raster import LEVEL_WINDOW_M, Grid, Raster, fitting_cell_m, smoothed
+from flatgrasp_cli.scene.strays import lonely
 from flatgrasp_cli.scene.support_plane import MAD_TO_SIGMA
 
 PLANE_SIGMAS = 3.0
@@ -25,7 +27,13 @@ RING_M = 0.04
 """How far around a cluster the plane is looked for."""
 RIM_M = 0.015
 """An object's middle lies at least this far inside the convex hull of the plane: what stands at its edge is cut off."""
+EDGE_M, EDGE_RIPPLE_M = 0.03, 0.01
+"""A stereo camera matches windows of some 20 pixels, 30 mm at a metre: so near to the plane's edge they hold what lies
+beyond it, too, and the plane's own height is wrong by up to a centimetre."""
 MIN_POINTS = 30
+STRAY_M, STRAY_CELLS = 0.01, 3.0
+"""A point with hardly another around it belongs to nothing: within a centimetre or two, or, in a sparse cloud, within
+three cells of the raster."""
 GRID_SAMPLE, SCATTER_SAMPLE = 20_000, 10_000
 BLOCK = 16_384
 CALM_WINDOW_M = 0.025
@@ -54,7 +62,7 @@ class Clusters:
 
 def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettings) -> Clusters | None:
     """Objects among `points` (n, 3) that stand on `plane`, largest first; None if no cell shows the plane itself."""
-    frame = plane_frame(plane)
+    frame = frame_on_plane(plane.normal, plane.offset_m)
     raster, heights = _sorted(points, frame, _grid(points, frame, plane.noise_m), -PLANE_SIGMAS * plane.noise_m)
     total = raster.total(heights)
     own = total / np.maximum(raster.count, 1)
@@ -63,12 +71,13 @@ def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettin
         return None
     standing = _standing(raster, own, table, plane.noise_m, settings)
     labels = _labels(_bridged(standing, settings.gap_m / raster.grid.cell_m)) * standing
-    chosen = _objects(raster, labels, table, settings)
+    chosen = _objects(raster, labels, own, table, settings)
 
     # from here on only the points in cells that stand out, a few of all
     rows = np.flatnonzero(standing.take(raster.cell))
     cell = raster.cell[rows]
     rows = rows[heights[rows] > np.minimum(POINT_SIGMAS * plane.noise_m, 0.5 * own.ravel()[cell])]
+    rows = rows[~lonely(points[rows], max(STRAY_M, STRAY_CELLS * raster.grid.cell_m))]
     piece = labels.ravel()[raster.cell[rows]]  # without the plane's points at an object's edge
     return Clusters(
         members=tuple(rows[piece == name] for name in chosen),
@@ -81,13 +90,13 @@ def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettin
 
 def _grid(points: FloatArray, frame: Frame, noise_m: float) -> Grid:
     """Cells for the plane and a margin around it, as far as there are points, by an even sample of them."""
-    every = max(1, len(points) // GRID_SAMPLE)
-    x, y, heights = frame.to_local(np.ascontiguousarray(points[::every])).T
+    chosen = spread_indices(len(points), GRID_SAMPLE)
+    x, y, heights = frame.to_local(points[chosen]).T
     flat = np.abs(heights) < PLANE_SIGMAS * noise_m
     sides = [(x, x[flat]), (y, y[flat])]
     low = np.array([max(every_one.min(), own.min() - MARGIN_M) for every_one, own in sides])
     high = np.array([min(every_one.max(), own.max() + MARGIN_M) for every_one, own in sides])
-    return Grid.over(low, high, fitting_cell_m(x[flat], y[flat], every))
+    return Grid.over(low, high, fitting_cell_m(x[flat], y[flat], len(points) / len(chosen)))
 
 
 def _sorted(points: FloatArray, frame: Frame, grid: Grid, lowest_m: float) -> tuple[Raster, FloatArray]:
@@ -127,7 +136,7 @@ def _standing(raster: Raster, own: FloatArray, table: BoolArray, noise_m: float,
     window = 2 * round(0.5 * LEVEL_WINDOW_M / raster.grid.cell_m) + 1
     smooth = smoothed(own, raster.count, SMOOTH_CELLS) - smoothed(own, table, window)
     ripple = smooth[table]
-    scatter = MAD_TO_SIGMA * float(np.median(np.abs(ripple[:: max(1, len(ripple) // SCATTER_SAMPLE)])))
+    scatter = MAD_TO_SIGMA * float(np.median(np.abs(ripple[spread_indices(len(ripple), SCATTER_SAMPLE)])))
     threshold = max(settings.min_height_m, settings.noise_factor * scatter)
     sure = POINT_SIGMAS * noise_m / np.sqrt(np.maximum(raster.count, 1))
     return np.asarray((raster.count > 0) & (smooth > threshold) & (own > np.maximum(threshold, sure)))
@@ -143,14 +152,6 @@ def _labels(mask: Any) -> IntArray:
     return np.asarray(cv2.connectedComponents(mask, connectivity=8)[1], dtype=np.int32)
 
 
-def plane_frame(plane: SupportPlane) -> Frame:
-    """A frame whose z axis is the plane's normal and whose origin lies in the plane."""
-    helper = np.eye(3)[int(np.argmin(np.abs(plane.normal)))]
-    x = np.cross(helper, plane.normal)
-    x /= np.linalg.norm(x)
-    return Frame(plane.offset_m * plane.normal, np.stack([x, np.cross(plane.normal, x), plane.normal]))
-
-
 def _largest(mask: BoolArray) -> BoolArray:
     """The largest connected piece of `mask`, gaps of a cell bridged."""
     labels = _labels(cv2.dilate(mask.view(np.uint8), np.ones((3, 3), np.uint8)))
@@ -159,7 +160,9 @@ def _largest(mask: BoolArray) -> BoolArray:
     return np.asarray((labels == np.argmax(sizes)) & mask)
 
 
-def _objects(raster: Raster, labels: IntArray, table: BoolArray, settings: SceneSettings) -> list[int]:
+def _objects(
+    raster: Raster, labels: IntArray, heights: FloatArray, table: BoolArray, settings: SceneSettings
+) -> list[int]:
     """Names of the clusters that are objects, largest first: big enough, not too long, and amid the plane."""
     import shapely
 
@@ -169,7 +172,8 @@ def _objects(raster: Raster, labels: IntArray, table: BoolArray, settings: Scene
     cells = np.bincount(name_of)
     points = np.bincount(name_of, weights=raster.count.ravel()[cell])
     large = (cells * raster.grid.cell_m**2 >= settings.min_size_m**2) & (points >= MIN_POINTS)
-    amid = _hull(table).buffer(-RIM_M / raster.grid.cell_m)
+    hull = _hull(table)
+    amid, beyond_ripple = (hull.buffer(-margin / raster.grid.cell_m) for margin in (RIM_M, EDGE_M))
     found = []
     for name in np.flatnonzero(large).tolist():
         own = np.stack([row[name_of == name], column[name_of == name]])
@@ -177,6 +181,8 @@ def _objects(raster: Raster, labels: IntArray, table: BoolArray, settings: Scene
         if raster.grid.cell_m * np.hypot(*(high - low)) > settings.max_size_m:
             continue
         middle = own.mean(axis=1)
+        if heights[*own].max() < EDGE_RIPPLE_M and not shapely.contains_xy(beyond_ripple, *own).any():
+            continue
         if (
             shapely.contains_xy(amid, *middle)
             and _sectors(low, high, middle, table, RING_M / raster.grid.cell_m) >= MIN_SECTORS

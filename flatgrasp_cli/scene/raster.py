@@ -65,7 +65,7 @@ class Raster:
         return np.asarray(total.reshape(self.count.shape))
 
 
-def fitting_cell_m(x: FloatArray, y: FloatArray, every: int = 1) -> float:
+def fitting_cell_m(x: FloatArray, y: FloatArray, every: float = 1.0) -> float:
     """Side of cells that hold a few points each, where there are any; of those x and y (n,) are one in `every`."""
     low, high = np.array([x.min(), y.min()]), np.array([x.max(), y.max()])
     coarse = Grid.over(low, high, COARSE_CELL_M * np.sqrt(every))

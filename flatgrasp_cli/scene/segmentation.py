@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Cloud, ObjectCloud, Scene, Sensor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.clusters import Clusters, find_clusters
@@ -56,7 +57,7 @@ def _too_large(points: FloatArray) -> str | None:
     """Why a cloud is no view of objects, stray points aside; None if it may be one."""
     if len(points) == 0:
         return None
-    sample = points[:: max(1, len(points) // SAMPLE)]
+    sample = points[spread_indices(len(points), SAMPLE)]
     strays = int(STRAY_SHARE * len(sample))
     low, high = np.sort(sample, axis=0)[[strays, -1 - strays]]
     x, y, z = (high - low).tolist()
@@ -70,7 +71,7 @@ def _too_large(points: FloatArray) -> str | None:
 
 def _goes_on_below(points: FloatArray, plane: SupportPlane) -> bool:
     """Whether much lies close below a plane, as the flanks of a body do below one through its front."""
-    heights = plane.heights(points[:: max(1, len(points) // SAMPLE)])
+    heights = plane.heights(points[spread_indices(len(points), SAMPLE)])
     on = np.abs(heights) < SIGMAS * plane.noise_m
     below = (heights < -max(SIGMAS * plane.noise_m, LEAST_BELOW_M)) & (heights > -MOST_BELOW_M)
     return bool(below.sum() > BELOW_SHARE * on.sum())

@@ -1,7 +1,4 @@
-"""The plane that objects stand on: random sample consensus on a subsample, then least squares on all inliers.
-
-Fischler & Bolles, Communications of the ACM 24(6), 1981. All hypotheses are scored at once.
-"""
+"""The plane that objects stand on: random sample consensus, then least squares on the inliers of a larger sample."""
 
 from __future__ import annotations
 
@@ -11,12 +8,13 @@ from typing import NamedTuple
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.planes import consensus_plane, least_squares_plane
+from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Sensor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 
 SAMPLE = 2000
 REFINEMENT_SAMPLE = 10_000
-HYPOTHESES = 250
 MAX_PLANES = 4
 """Planes looked for, one after another, while enough of the sample is left for one that counts."""
 TOLERANCE_SHARE, TOLERANCE_RANGE_M = 0.008, (0.004, 0.03)
@@ -48,7 +46,7 @@ def find_support_plane(points: FloatArray, sensor: Sensor, settings: SceneSettin
     With `settings.up` (3,) the biggest plane that it is normal to, else the biggest one that faces the `sensor`. Of
     planes on top of each other the nearer to the sensor is taken, unless it is small.
     """
-    sample = np.ascontiguousarray(points[:: max(1, len(points) // SAMPLE)])
+    sample = points[spread_indices(len(points), SAMPLE)]
     planes = [fit for fit in _planes(sample, sensor, settings, seed) if fit.share >= settings.min_plane_share]
     fits = [fit for fit in planes if _faces(fit, sample, sensor, settings)]
     if not fits and settings.up is None and float(np.ptp(sample, axis=0).max()) > settings.max_size_m:
@@ -87,7 +85,7 @@ def _planes(sample: FloatArray, sensor: Sensor, settings: SceneSettings, seed: i
     for _ in range(MAX_PLANES):
         if len(rest) < max(3, len(sample) * max(settings.min_plane_share, SECOND_SHARE * biggest)):
             return
-        plane = _consensus(rest, sensor, rng)
+        plane = consensus_plane(rest, _tolerance(rest, sensor), rng)
         if plane is None:
             return
         normal, offset = _oriented(*plane, sample, sensor, settings)
@@ -96,23 +94,6 @@ def _planes(sample: FloatArray, sensor: Sensor, settings: SceneSettings, seed: i
         biggest = max(biggest, share)
         yield _Fit(normal, offset, share)
         rest = rest[~inliers]
-
-
-def _consensus(points: FloatArray, sensor: Sensor, rng: np.random.Generator) -> tuple[FloatArray, float] | None:
-    """The plane through three random points that most points agree with, fitted to those; None if all are in line."""
-    corners = points[rng.integers(len(points), size=(HYPOTHESES, 3))]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    lengths = np.linalg.norm(normals, axis=1)
-    real = lengths > 1e-12
-    if not real.any():
-        return None
-    normals = normals[real] / lengths[real, None]
-    offsets = np.einsum("ij,ij->i", normals, corners[real, 0])
-    # single precision tells millimetres on a scene's scale, and a matrix of it takes half the time
-    distance = normals.astype(np.float32) @ points.T.astype(np.float32)
-    distance -= offsets.astype(np.float32)[:, None]
-    agree = np.abs(distance, out=distance) < _tolerance(points, sensor).astype(np.float32)
-    return _least_squares(points[agree[np.argmax(np.count_nonzero(agree, axis=1))]])
 
 
 def _tolerance(points: FloatArray, sensor: Sensor) -> FloatArray:
@@ -125,14 +106,14 @@ def _tolerance(points: FloatArray, sensor: Sensor) -> FloatArray:
 
 def _refined(points: FloatArray, sensor: Sensor, fit: _Fit) -> SupportPlane:
     """Least squares on an even sample's inliers, with a tolerance that follows from their own scatter."""
-    points = np.ascontiguousarray(points[:: max(1, len(points) // REFINEMENT_SAMPLE)])
+    points = points[spread_indices(len(points), REFINEMENT_SAMPLE)]
     normal, offset = fit.normal, fit.offset
     residuals = points @ normal - offset
     tolerance = float(np.median(_tolerance(points, sensor)))
     noise = tolerance
     for _ in range(REFINEMENTS):
         inliers = points[np.flatnonzero(np.abs(residuals) < tolerance)]
-        refined, _ = _least_squares(inliers)
+        refined, _ = least_squares_plane(inliers)
         normal = refined if refined @ normal > 0 else -refined
         offset = float(np.median(inliers @ normal))
         residuals = points @ normal - offset
@@ -140,13 +121,6 @@ def _refined(points: FloatArray, sensor: Sensor, fit: _Fit) -> SupportPlane:
         noise = MAD_TO_SIGMA * float(np.median(scatter[scatter < tolerance]))
         tolerance = min(tolerance, max(INLIER_SIGMAS * noise, TOLERANCE_RANGE_M[0]))
     return SupportPlane(normal, offset, max(noise, LEAST_NOISE_M))
-
-
-def _least_squares(points: FloatArray) -> tuple[FloatArray, float]:
-    mean = points.mean(axis=0)
-    centred = points - mean
-    normal = np.linalg.eigh(centred.T @ centred)[1][:, 0]
-    return normal, float(normal @ mean)
 
 
 def _oriented(

@@ -22,12 +22,15 @@ from flatgrasp_cli.sources.containers.recording import Message, Problems, Record
 from flatgrasp_cli.sources.messages import (
     CLOUD_TYPES,
     INFO_TYPE,
+    UNIT_ASSUMED,
+    UNIT_TYPE,
     Decoded,
     DepthCameras,
     MessageError,
     info_topics_for,
+    unit_topic_for,
 )
-from flatgrasp_cli.sources.placement import Placement
+from flatgrasp_cli.sources.placement import TRANSFORM_TYPES, Placement, RecordedTransforms
 from flatgrasp_cli.sources.selection import NS, Every, Selection
 from flatgrasp_cli.sources.topics import choose_topic
 from flatgrasp_cli.sources.transforms import MissingTransform
@@ -55,11 +58,14 @@ def recorded_clouds(path: Path, name: str, scale: float, selection: Selection) -
         problems = [recording.problems]
         try:
             topic = choose_topic(recording, selection.topic, name)
-            placement = None
-            if selection.base_frame is not None:  # opened once more, for transforms are read ahead of the clouds
+
+            def transforms() -> RecordedTransforms:
                 again = stack.enter_context(open_recording(path, name, strict=selection.strict))
                 problems.append(again.problems)
-                placement = Placement(again, selection.base_frame, _window(recording, selection)[0])
+                return RecordedTransforms(again, _window(recording, selection)[0])
+
+            there = any(item.type in TRANSFORM_TYPES for item in recording.topics)
+            placement = Placement(transforms, selection, has_transforms=there)
             for _, cloud in usable_frames(recording, topic, (name, scale, placement), selection):
                 yield cloud
         finally:
@@ -98,7 +104,8 @@ def usable_frames(
         seen += 1
         try:
             cloud = _cloud(decode(message.value), message, Source(name, index=yielded), scale)
-            placed = placement.place(cloud, message.stamp_ns) if placement else cloud
+            depth = topic.type not in CLOUD_TYPES
+            placed = placement.place(cloud, message.stamp_ns, depth=depth) if placement else cloud
         except (MessageError, MissingTransform) as error:
             reason = printable(str(error))
             recording.problems.add(f"frame on {called} left out: {reason}")
@@ -124,32 +131,37 @@ def _opened(recording: Recording, topic: Topic, selection: Selection) -> tuple[I
         return (message for message in messages if message.topic.type == topic.type), partial(
             decoder, colors=selection.colors
         )
-    cameras = DepthCameras()
+    cameras = DepthCameras(selection.intrinsics, selection.depth_unit_m)
     return _images(recording, topic, window, cameras), partial(cameras.decode, topic.name)
 
 
 def _images(
     recording: Recording, topic: Topic, window: tuple[int | None, int | None], cameras: DepthCameras
 ) -> Iterator[Message]:
-    """The topic's images; on the way `cameras` learn of the CameraInfos."""
+    """The topic's images; on the way `cameras` learn of the CameraInfos, and of the depth's unit if it is recorded."""
 
     def learn(message: Message) -> None:
         try:
-            cameras.add_info(message.topic.name, message.value)
+            if message.topic.type == INFO_TYPE:
+                cameras.add_info(message.topic.name, message.value)
+            elif message.topic.type == UNIT_TYPE:
+                cameras.add_unit(message.value)
         except MessageError as error:
             recording.problems.add(f"message on {message.topic.name} left out: {error}")
 
+    units = {item.name for item in recording.topics if item.type == UNIT_TYPE} & {unit_topic_for(topic.name)}
     infos = info_topics_for(topic.name, [item.name for item in recording.topics if item.type == INFO_TYPE])
+    beside = (*infos, *(name for name in units if name))
     before = recording.problems.copy()
-    for info in infos:  # the first one may come a moment after the first image
-        for first in islice(recording.messages([info]), 1):
+    for each in beside:  # the first one may come a moment after the first image
+        for first in islice(recording.messages([each]), 1):
             learn(first)
     recording.problems.reset(before)
-    for message in recording.messages([topic.name, *infos], *window):
-        if message.topic.type == INFO_TYPE:
-            learn(message)
-        else:
+    for message in recording.messages([topic.name, *beside], *window):
+        if message.topic.type == topic.type:
             yield message
+        else:
+            learn(message)
 
 
 def _cloud(decoded: Decoded, message: Message, source: Source, scale: float) -> Cloud:
@@ -168,7 +180,8 @@ def _cloud(decoded: Decoded, message: Message, source: Source, scale: float) -> 
         colors=decoded.colors,
         sensor=sensor,
         pixels=decoded.pixels,
-        warnings=decoded.warnings,
+        # whoever gives a scale has settled what a count is
+        warnings=tuple(item for item in decoded.warnings if scale == 1.0 or item.code != UNIT_ASSUMED),
     )
 
 

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
-from flatgrasp_cli.errors import SourceError
+from flatgrasp_cli.errors import SourceError, UsageError
 from flatgrasp_cli.model import Cloud
 from flatgrasp_cli.sources.remote import copy_url, is_url
 from flatgrasp_cli.sources.selection import EVERYTHING, Selection
@@ -40,6 +40,8 @@ def read_clouds(
     ------
     SourceError
         If the source is missing, is no cloud, or contradicts its own header.
+    UsageError
+        If a file is to say where a frame is.
     """
     from flatgrasp_cli.sources.containers import is_recording
 
@@ -50,6 +52,11 @@ def read_clouds(
             from flatgrasp_cli.sources.frames import recorded_clouds
 
             yield from recorded_clouds(path, label, scale, selection)
+        elif selection.sensor_frame is not None:
+            raise UsageError(
+                f"{label}: --sensor {selection.sensor_frame}: is the name of a frame, and only a recording can say "
+                "where that is; give the place X,Y,Z, above, or none"
+            )
         else:
             yield read_file(path, label, scale)
 

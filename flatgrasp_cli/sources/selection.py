@@ -6,9 +6,14 @@ import re
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from decimal import Decimal, InvalidOperation
+from typing import TYPE_CHECKING, Literal
 
 from flatgrasp_cli.errors import UsageError
 
+if TYPE_CHECKING:
+    from flatgrasp_cli.sources.messages.camera_info import CameraInfo
+
+DepthAxes = Literal["optical", "body"]
 NS = 1_000_000_000
 UNIX_S = 100_000_000
 """No recording is this many seconds long: a greater number is Unix time."""
@@ -40,7 +45,10 @@ class Selection:
 
     `topic` is None for the only one with clouds; frames lie in start ≤ t < end, or are the first at or after `at`.
     They come in `base_frame`, by the recording's own transforms, if that is given, and with `colors` if those are
-    wanted. With `strict`, the first problem ends the reading with an error.
+    wanted. `sensor_frame` is the frame of the sensor that saw them. With `strict`, the first problem ends the reading
+    with an error. `intrinsics` and `depth_unit_m`, metres in one count, say what depth images mean that do not say it
+    themselves, `depth_axes` whether the frame that they are stamped with is an optical one (x right, y down, z forward)
+    or a body's (x forward, z up).
     """
 
     topic: str | None = None
@@ -50,8 +58,12 @@ class Selection:
     every: Every = Every()
     count: int | None = None
     base_frame: str | None = None
+    sensor_frame: str | None = None
     colors: bool = False
     strict: bool = False
+    intrinsics: CameraInfo | None = None
+    depth_unit_m: float | None = None
+    depth_axes: DepthAxes | None = None
 
 
 EVERYTHING = Selection()

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from flatgrasp_cli.errors import SourceError
-from flatgrasp_cli.model import Cloud
+from flatgrasp_cli.model import Cloud, Sensor
+from flatgrasp_cli.sensor import located
 from flatgrasp_cli.sources.containers import Recording, Topic, is_recording, open_recording
 from flatgrasp_cli.sources.frames import usable_frames
 from flatgrasp_cli.sources.messages import CLOUD_TYPES, MessageError
@@ -20,6 +21,7 @@ from flatgrasp_cli.sources.selection import EVERYTHING, NS
 from flatgrasp_cli.sources.topics import depth_topics
 from flatgrasp_cli.sources.transforms import TransformBuffer
 
+DECIMALS = 9
 TRANSFORMS_READ = 1000
 """Transform messages of each topic that are read for the names of frames."""
 
@@ -45,9 +47,16 @@ class CloudSummary:
     points: int
     shape: tuple[int, ...]
     fields: tuple[str, ...]
+    dropped: int
+    """Points that were not measured: NaN, infinite, exactly 0 0 0, or out of all bounds."""
     nan_share: float
+    """Their share."""
     low_m: tuple[float, ...] | None
     high_m: tuple[float, ...] | None
+    sensor: dict[str, Any]
+    """`position` and `direction` (3,) or None, and how that is `known_from`."""
+    warnings: tuple[str, ...]
+    """What had to be assumed to say so."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,18 +138,31 @@ def _of_clouds(name: str, recording: Recording) -> Iterator[CloudSummary]:
 
 def _of_cloud(cloud: Cloud, shape: tuple[int, ...], fields: tuple[str, ...]) -> CloudSummary:
     declared = len(cloud.points) + cloud.dropped
+    cloud = located(cloud, None, 0)
     empty = len(cloud.points) == 0
     return CloudSummary(
-        cloud.source.topic,
-        cloud.source.stamp_ns,
-        cloud.frame_id,
-        declared,
-        shape,
-        fields,
-        cloud.dropped / declared if declared else 0.0,
-        None if empty else tuple(cloud.points.min(axis=0).tolist()),
-        None if empty else tuple(cloud.points.max(axis=0).tolist()),
+        topic=cloud.source.topic,
+        stamp_ns=cloud.source.stamp_ns,
+        frame_id=cloud.frame_id,
+        points=declared,
+        shape=shape,
+        fields=fields,
+        dropped=cloud.dropped,
+        nan_share=cloud.dropped / declared if declared else 0.0,
+        low_m=None if empty else tuple(cloud.points.min(axis=0).tolist()),
+        high_m=None if empty else tuple(cloud.points.max(axis=0).tolist()),
+        sensor=_sensor(cloud.sensor),
+        warnings=tuple(warning.text for warning in cloud.warnings),
     )
+
+
+def _sensor(sensor: Sensor | None) -> dict[str, Any]:
+    position, direction = (None, None) if sensor is None else (sensor.position, sensor.direction)
+    return {
+        "position": None if position is None else position.round(DECIMALS).tolist(),
+        "direction": None if direction is None else direction.round(DECIMALS).tolist(),
+        "known_from": None if sensor is None else sensor.known_from,
+    }
 
 
 def _shape(message: Any, cloud: Cloud) -> tuple[int, ...]:

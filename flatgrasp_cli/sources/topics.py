@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
+from typing import Any
+
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.sources.containers.recording import Recording, Topic, printable
-from flatgrasp_cli.sources.messages import CLOUD_TYPES, IMAGE_TYPES, is_depth
+from flatgrasp_cli.sources.messages import CLOUD_TYPES, IMAGE_TYPES, LOSSY, is_depth, is_lossy_depth
 
 LEGACY = "sensor_msgs/msg/PointCloud"
 LISTED = 40
+NO_DEPTH = frozenset({"ir", "infra", "infrared", "amplitude", "intensity", "confidence"})
+"""Words of topics whose images have depth's encodings and hold something else."""
 
 
 def choose_topic(recording: Recording, wanted: str | None, name: str) -> Topic:
@@ -31,18 +37,31 @@ def choose_topic(recording: Recording, wanted: str | None, name: str) -> Topic:
         return preferred[0]
     if preferred:
         raise SourceError(f"{name}: several topics hold clouds; choose one with --topic{_listed(preferred)}")
+    before = recording.problems.copy()
+    lossy = next((topic.name for topic in recording.topics if _begins_with(recording, topic, is_lossy_depth)), None)
+    recording.problems.reset(before)  # all that had been met already
+    if lossy is not None:
+        raise SourceError(f"{name}: the depth images on {printable(lossy)} are {LOSSY}")
     raise SourceError(f"{name}: holds no point clouds and no depth images{_listed(recording.topics)}")
 
 
 def depth_topics(recording: Recording) -> list[Topic]:
-    """The image topics whose first message is a depth image; the encoding alone tells."""
-    return [topic for topic in recording.topics if topic.type in IMAGE_TYPES and _begins_with_depth(recording, topic)]
+    """The image topics whose first message is a depth image by its encoding, and whose name does not say otherwise."""
+    return [
+        topic
+        for topic in recording.topics
+        if ("depth" in topic.name.lower() or NO_DEPTH.isdisjoint(re.split("[^a-z]+", topic.name.lower())))
+        and _begins_with(recording, topic, is_depth)
+    ]
 
 
-def _begins_with_depth(recording: Recording, topic: Topic) -> bool:
+def _begins_with(recording: Recording, topic: Topic, kind: Callable[[Any], bool]) -> bool:
+    """Whether the first image of a topic is of a kind."""
+    if topic.type not in IMAGE_TYPES:
+        return False
     before = recording.problems.copy()
     first = next(recording.messages([topic.name]), None)
-    if first is None or not is_depth(first.value):
+    if first is None or not kind(first.value):
         return False
     recording.problems.reset(before)  # its frames are read from the beginning
     return True

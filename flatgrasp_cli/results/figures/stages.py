@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from flatgrasp_cli.geometry.arrays import IntArray
+from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import FingerCandidates, ObjectPlan
 from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.results.figures.solid import balance_surface, boxes, final_on_cloud, resultant
@@ -193,7 +194,7 @@ def _difference(pairs: IntArray, without: IntArray) -> IntArray:
 
 def _draw_pairs(axes: object, fingers: FingerCandidates, pairs: IntArray, label: str, style: dict[str, object]) -> None:
     """Grasping lines of an even sample of pairs."""
-    shown = pairs[:: max(1, len(pairs) // MAX_PAIRS)]
+    shown = pairs[spread_indices(len(pairs), MAX_PAIRS)]
     lines = draw_segments(axes, fingers.contact[shown[:, 0]], fingers.contact[shown[:, 1]], **style)  # type: ignore[arg-type]
     lines.set_label(
         f"{label} ({len(shown)} of {len(pairs)} shown)" if len(shown) < len(pairs) else f"{label} ({len(pairs)})"

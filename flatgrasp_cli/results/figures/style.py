@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from flatgrasp_cli.errors import FigureError
 from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Silhouette
 
 Scalar = TypeVar("Scalar", bound=np.generic)
@@ -70,7 +71,7 @@ def plane_axes(figure: Figure, title: str, position: Any = 111) -> Axes:
 
 def thinned(points: NDArray[Scalar]) -> NDArray[Scalar]:
     """An even sample of `points` (n, …), or of their indices, that a picture can hold."""
-    return points[:: max(1, len(points) // MAX_POINTS)]
+    return points[spread_indices(len(points), MAX_POINTS)]
 
 
 def draw_points(axes: Axes, outline: Silhouette) -> None:

@@ -24,6 +24,8 @@ MAX_FILE_RATIO = 500
 MIN_FILE_BYTES = 2**30
 """A compressed file may grow to 500 times its size, or to 1 GiB if that is more; recordings shrink by 2 to 20."""
 PIECE_BYTES = 2**20
+LZ4_HEADER_BYTES, LZ4_HAS_SIZE = 7, 0x08
+"""An lz4 frame's header, to which the flag adds the content's size in 8 bytes."""
 MESSAGE_PIECE_BYTES = 2**26
 """Hardly any message is larger, and those that are not take one call."""
 
@@ -71,9 +73,15 @@ def inflate(compression: str, data: bytes, size: int) -> tuple[memoryview, str]:
         return memoryview(b""), f"unknown compression {compression[:20]!r}"
     if size > MAX_CHUNK_BYTES:
         return memoryview(b""), f"declares more than {MAX_CHUNK_BYTES} bytes"
+    out, fault = _inflated(_DECOMPRESSORS[compression](), data, size)
+    if len(out) > size:
+        return memoryview(b""), "inflates beyond its declared size"
+    return memoryview(out).toreadonly(), fault or ("" if len(out) == size else "it is cut short")
+
+
+def _inflated(decompressor: _Decompressor, data: bytes, size: int) -> tuple[bytearray, str]:
+    """What comes out, until a little more than `size` bytes; and what went wrong."""
     out = bytearray()
-    fault = ""
-    decompressor = _DECOMPRESSORS[compression]()
     try:
         out += decompressor.decompress(data, PIECE_BYTES)
         while not decompressor.eof and not decompressor.needs_input and len(out) <= size:
@@ -82,10 +90,32 @@ def inflate(compression: str, data: bytes, size: int) -> tuple[memoryview, str]:
                 break
             out += piece
     except UNREADABLE as error:
-        fault = f"cannot be decompressed: {reason(error)}"
-    if len(out) > size:
-        return memoryview(b""), "inflates beyond its declared size"
-    return memoryview(out).toreadonly(), fault or ("" if len(out) == size else "it is cut short")
+        return out, f"cannot be decompressed: {reason(error)}"
+    return out, ""
+
+
+def inflate_lz4_unchecked(data: bytes, size: int) -> memoryview | None:
+    """The content of an lz4 frame without a look at its checksum; None unless it is whole and has `size` bytes.
+
+    Some files of RealSense's SDK hold whole frames with a checksum that is wrong.
+    """
+    try:
+        about = lz4.frame.get_frame_info(data)
+    except UNREADABLE:
+        return None
+    if not about["content_checksum"] or size > MAX_CHUNK_BYTES:
+        return None
+    compressor = lz4.frame.LZ4FrameCompressor(
+        block_size=about["block_size_id"],
+        block_linked=about["block_linked"],
+        block_checksum=about["block_checksum"],
+        content_checksum=False,
+    )
+    header = bytes(compressor.begin())
+    blocks = data[LZ4_HEADER_BYTES + (8 if data[4] & LZ4_HAS_SIZE else 0) :]
+    decompressor = lz4.frame.LZ4FrameDecompressor()
+    out, fault = _inflated(decompressor, header + blocks, size)
+    return None if fault or len(out) != size or not decompressor.eof else memoryview(out).toreadonly()
 
 
 def inflate_message(data: bytes) -> bytes:

@@ -71,7 +71,8 @@ class ChannelRecording(ABC):
         wanted = {
             number: (channel, of_channel[channel.topic, channel.type])
             for number, channel in self.channels.items()
-            if channel.topic in topics
+            # a damaged file may declare one while it is read, after the topics were listed
+            if channel.topic in topics and (channel.topic, channel.type) in of_channel
         }
         for raw in self.raw_messages(frozenset(wanted), start_ns, end_ns):
             if (start_ns is None or raw.stamp_ns >= start_ns) and (end_ns is None or raw.stamp_ns < end_ns):

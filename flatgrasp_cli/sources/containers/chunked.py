@@ -105,6 +105,8 @@ class ChunkedRecording(ChannelRecording):
 
     def read_at(self, offset: int, count: int) -> bytes:
         """Bytes of the file, fewer where it ends."""
+        if offset >= self.size:  # a damaged index may point anywhere, even where no file can seek to
+            return b""
         self.file.seek(offset)
         return self.file.read(max(0, min(count, self.size - offset)))
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import re
+import struct
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
@@ -24,6 +25,9 @@ if TYPE_CHECKING:
 MAX_SEQUENCE = 2**31
 MAX_DEFINITION_BYTES = 2**22
 SEPARATOR = "=" * 80 + "\n"
+IMAGE_TYPE = "sensor_msgs/msg/Image"
+DEPTH_UNITS = struct.Struct("<f")
+"""RealSense's SDK, since 2.48, writes after an image the metres in a count of depth, which no definition names."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,13 +91,28 @@ def _ros_decoder(channel: Channel) -> Callable[[bytes], Any]:
     def decode(data: bytes) -> Any:
         try:
             if channel.encoding == "ros1":
-                return store.deserialize_ros1(data, name)
+                return _with_depth_units(store, data) if name == IMAGE_TYPE else store.deserialize_ros1(data, name)
             # rosbag2 may compress each message; no CDR begins with these bytes
             return store.deserialize_cdr(inflate_message(data) if data.startswith(ZSTD_MAGIC) else data, name)
         except SerdeError as error:
             raise ValueError(reason(error)) from error
 
     return decode
+
+
+def _with_depth_units(store: Typestore, data: bytes) -> Any:
+    """An image of ROS 1; `depth_units` is what RealSense's SDK writes after it, and is not there without."""
+    from rosbags.serde import SerdeError
+
+    try:
+        return store.deserialize_ros1(data, IMAGE_TYPE)
+    except SerdeError as error:
+        try:
+            image: Any = store.deserialize_ros1(data[: -DEPTH_UNITS.size], IMAGE_TYPE)
+        except SerdeError:
+            raise error from None
+        fields = {name: value for name, value in vars(image).items() if not name.startswith("__")}
+        return SimpleNamespace(**fields, depth_units=DEPTH_UNITS.unpack(data[-DEPTH_UNITS.size :])[0])
 
 
 def _typestore(channel: Channel) -> Typestore:

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from flatgrasp_cli.errors import SourceError
-from flatgrasp_cli.sources.containers.bounded import MAX_CHUNK_BYTES, inflate
+from flatgrasp_cli.sources.containers.bounded import MAX_CHUNK_BYTES, inflate, inflate_lz4_unchecked
 from flatgrasp_cli.sources.containers.channels import Raw
 from flatgrasp_cli.sources.containers.chunked import Chunk, ChunkedRecording
 from flatgrasp_cli.sources.containers.definitions import Channel, ros_type
@@ -142,7 +142,11 @@ class Ros1Recording(ChunkedRecording):
         if max(size, record.length if kind == "none" else 0) > MAX_CHUNK_BYTES:
             data, fault = memoryview(b""), f"declares {size} bytes"
         else:
-            data, fault = inflate(kind, self.read_at(record.offset, record.length), size)
+            packed = self.read_at(record.offset, record.length)
+            data, fault = inflate(kind, packed, size)
+            if fault and kind == "lz4" and (whole := inflate_lz4_unchecked(packed, size)) is not None:
+                self.problems.add(f"chunk at byte {chunk.offset} used, though its checksum is wrong", at=chunk.offset)
+                data, fault = whole, ""
         if fault and not cut:
             self.problems.add(f"chunk at byte {chunk.offset} skipped: {fault}", at=chunk.offset)
             return

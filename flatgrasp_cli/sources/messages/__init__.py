@@ -7,9 +7,16 @@ from types import MappingProxyType
 
 from flatgrasp_cli.sources.messages.camera_info import CameraInfo
 from flatgrasp_cli.sources.messages.decoded import CloudDecoder, Decoded, MessageError
-from flatgrasp_cli.sources.messages.depth_cameras import DepthCameras, MissingCameraInfo, info_topics_for
-from flatgrasp_cli.sources.messages.depth_image import is_depth
+from flatgrasp_cli.sources.messages.depth_cameras import (
+    DepthCameras,
+    MissingCameraInfo,
+    info_topics_for,
+    unit_topic_for,
+)
+from flatgrasp_cli.sources.messages.depth_image import is_depth, is_lossy_depth
+from flatgrasp_cli.sources.messages.depth_unit import UNIT_ASSUMED
 from flatgrasp_cli.sources.messages.foxglove import decode_foxglove
+from flatgrasp_cli.sources.messages.png import LOSSY
 from flatgrasp_cli.sources.messages.pointcloud2 import decode_pointcloud, decode_pointcloud2
 
 CLOUD_TYPES: Mapping[str, CloudDecoder] = MappingProxyType(
@@ -23,12 +30,15 @@ CLOUD_TYPES: Mapping[str, CloudDecoder] = MappingProxyType(
 """The decoder of each type of topic that holds point clouds."""
 IMAGE_TYPES = frozenset({"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"})
 """Types of topic that may hold depth images; `is_depth` tells from a message, nothing before it does."""
-INFO_TYPE = "sensor_msgs/msg/CameraInfo"
+INFO_TYPE, UNIT_TYPE = "sensor_msgs/msg/CameraInfo", "std_msgs/msg/Float32"
 
 __all__ = [
     "CLOUD_TYPES",
     "IMAGE_TYPES",
     "INFO_TYPE",
+    "LOSSY",
+    "UNIT_ASSUMED",
+    "UNIT_TYPE",
     "CameraInfo",
     "CloudDecoder",
     "Decoded",
@@ -37,4 +47,6 @@ __all__ = [
     "MissingCameraInfo",
     "info_topics_for",
     "is_depth",
+    "is_lossy_depth",
+    "unit_topic_for",
 ]

@@ -13,6 +13,11 @@ from flatgrasp_cli.geometry.arrays import ByteArray, FloatArray
 from flatgrasp_cli.model import CloudWarning, ImageGrid, Sensor
 
 LARGEST_NS = 2**63 - 1
+ROW_STEP_IGNORED = CloudWarning(
+    "row_step_ignored",
+    "the bytes of a row that the messages declare (row_step) cannot be, and were ignored: the data is exactly that of "
+    "width × height points, row by row",
+)
 
 
 class MessageError(ValueError):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import struct
-import zlib
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,31 +10,32 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flatgrasp_cli.geometry.arrays import ByteArray, FloatArray
-from flatgrasp_cli.sources.messages.decoded import MessageError, raw_bytes, reading
+from flatgrasp_cli.model import CloudWarning
+from flatgrasp_cli.sources.messages.decoded import ROW_STEP_IGNORED, MessageError, raw_bytes, reading
+from flatgrasp_cli.sources.messages.png import LOSSY, decode_png, png_size
+from flatgrasp_cli.sources.messages.rvl import decode_rvl, rvl_size
 
 MILLIMETRES = frozenset({"16UC1", "mono16"})
 METRES = frozenset({"32FC1"})
-MM_IN_M = 1000.0
-PNG_MAGIC = b"\x89PNG\r\n\x1a\n"
-PNG_HEADER = struct.Struct(">8sI4sIIBB")
-PNG_CHUNK = struct.Struct(">I4s")
-PNG_CHECKSUM = struct.Struct(">I")
-DEFLATE_RATIO = 1032
-"""No byte of a PNG can stand for more bytes of its image."""
+MILLIMETRE = 0.001
 CONFIG_HEADER = struct.Struct("<iff")
-"""compressedDepth puts before the PNG: a format that nobody sets, and the quantisation's A and B."""
+"""compressedDepth puts before the PNG or the RVL: a format that nobody sets, and the quantisation's A and B."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DepthImage:
-    """`raw` (height, width) as recorded, uint16 or float32; `inverse` is A and B where that is inverse depth."""
+    """`raw` (height, width) as recorded, uint16 or float32, in `unit_m`; `inverse` is A and B of inverse depth."""
 
     raw: NDArray[Any]
-    millimetres: bool
+    unit_m: float
     inverse: tuple[float, float] | None = None
+    warnings: tuple[CloudWarning, ...] = ()
 
-    def metres(self) -> tuple[FloatArray, NDArray[np.intp]]:
-        """Depths (n,) in metres, and the pixels (n,) they are at, counted row by row; only where there is depth."""
+    def metres(self, unit_m: float | None = None) -> tuple[FloatArray, NDArray[np.intp]]:
+        """Depths (n,) in metres, and the pixels (n,) they are at, counted row by row; only where there is depth.
+
+        `unit_m` says what one count is; if None, it is what the encoding says.
+        """
         raw = self.raw.reshape(-1)
         with np.errstate(invalid="ignore"):
             pixels = np.flatnonzero((raw > 0) & np.isfinite(raw))
@@ -45,8 +45,9 @@ class DepthImage:
             with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
                 depth = a / (depth - b)
             seen = np.isfinite(depth) & (depth > 0)
-            return depth[seen], pixels[seen]
-        return (depth / MM_IN_M if self.millimetres else depth), pixels
+            depth, pixels = depth[seen], pixels[seen]
+        depth *= self.unit_m if unit_m is None else unit_m
+        return depth, pixels
 
 
 def is_depth(message: Any) -> bool:
@@ -57,12 +58,19 @@ def is_depth(message: Any) -> bool:
     return str(getattr(message, "encoding", "")) in MILLIMETRES | METRES
 
 
+def is_lossy_depth(message: Any) -> bool:
+    """Whether a CompressedImage holds depth that JPEG has destroyed."""
+    encoding, how = _compression(message) if hasattr(message, "format") else ("", "")
+    return encoding in MILLIMETRES | METRES and ("jpeg" in how or "jpg" in how)
+
+
 def image_size(message: Any) -> tuple[int, int]:
-    """Width and height that the message, or the PNG in it, declares."""
+    """Width and height that the message, or what is compressed in it, declares."""
     with reading("image"):
         if not hasattr(message, "format"):
             return int(message.width), int(message.height)
-        return _png_size(_png(message)[0])
+        data, codec, _ = _unpacked(message)
+        return rvl_size(data) if codec == "rvl" else png_size(data)
 
 
 def read_depth(message: Any) -> DepthImage:
@@ -71,7 +79,7 @@ def read_depth(message: Any) -> DepthImage:
     Raises
     ------
     MessageError
-        If the message holds no depth, less data than it declares, a PNG that is broken, or an encoding not read here.
+        If the message holds no depth, less data than it declares, a PNG or RVL that is broken, or another encoding.
     """
     with reading("image"):
         if hasattr(message, "format"):
@@ -84,25 +92,28 @@ def _plain(message: Any) -> DepthImage:
     encoding = str(message.encoding)
     if encoding not in MILLIMETRES | METRES:
         raise MessageError(f"has encoding {encoding!r}, which is no depth; depth is 16UC1, mono16 or 32FC1")
+    unit_m = MILLIMETRE if encoding in MILLIMETRES else 1.0
     dtype = np.dtype("u2" if encoding in MILLIMETRES else "f4").newbyteorder(">" if message.is_bigendian else "<")
     if min(height, width) <= 0:
-        return DepthImage(np.empty((0, 0), dtype), encoding in MILLIMETRES)
+        return DepthImage(np.empty((0, 0), dtype), unit_m)
     row = width * dtype.itemsize
+    data = raw_bytes(message.data)
+    ignored = step != row and len(data) == height * row and height > 1  # with padding there would be more
+    step = row if ignored else step
     if step < row:
         raise MessageError(f"step is {step}, but {width} pixels of {dtype.itemsize} bytes need {row}")
-    data = raw_bytes(message.data)
     need = (height - 1) * step + row  # the padding of the last row may be left out
     if len(data) < need:
         raise MessageError(f"data has {len(data)} bytes, {width} × {height} pixels in rows of {step} bytes need {need}")
     raw: NDArray[Any] = np.ndarray((height, width), dtype, data.data, 0, (step, dtype.itemsize))
-    return DepthImage(raw, encoding in MILLIMETRES)
+    return DepthImage(raw, unit_m, warnings=(ROW_STEP_IGNORED,) if ignored else ())
 
 
 def _compressed(message: Any) -> DepthImage:
     encoding, _ = _compression(message)
-    data, inverse = _png(message)
-    raw = _decoded_png(data)
-    return DepthImage(raw, encoding in MILLIMETRES, inverse)
+    data, codec, inverse = _unpacked(message)
+    raw = decode_rvl(data) if codec == "rvl" else decode_png(data)
+    return DepthImage(raw, MILLIMETRE if encoding in MILLIMETRES else 1.0, inverse)
 
 
 def _compression(message: Any) -> tuple[str, str]:
@@ -111,60 +122,18 @@ def _compression(message: Any) -> tuple[str, str]:
     return encoding.strip(), how.strip().lower()
 
 
-def _png(message: Any) -> tuple[ByteArray, tuple[float, float] | None]:
-    """The PNG in a CompressedImage, and the quantisation where it holds inverse depth."""
+def _unpacked(message: Any) -> tuple[ByteArray, str, tuple[float, float] | None]:
+    """The PNG or RVL in a CompressedImage, which of the two, and the quantisation where it holds inverse depth."""
     encoding, how = _compression(message)
     data = raw_bytes(message.data)
-    if "rvl" in how:
-        raise MessageError("compressedDepth rvl is not read; republish as png")
+    if is_lossy_depth(message):
+        raise MessageError(f"is {LOSSY}")
     if not is_depth(message) or encoding not in MILLIMETRES | METRES:
         raise MessageError(f"has format {message.format!r}, which is no depth; depth is 16UC1 or 32FC1 compressedDepth")
     if "compresseddepth" not in how:
-        return data, None
+        return data, "png", None
     if len(data) < CONFIG_HEADER.size:
         raise MessageError(f"data has {len(data)} bytes, less than the header of compressedDepth")
     _, a, b = CONFIG_HEADER.unpack_from(data.data)
-    return data[CONFIG_HEADER.size :], None if encoding in MILLIMETRES else (a, b)
-
-
-def _png_size(data: ByteArray) -> tuple[int, int]:
-    """Width and height of a PNG of 16-bit grey, after a look at whether it can hold them."""
-    if len(data) < PNG_HEADER.size or data[:8].tobytes() != PNG_MAGIC:
-        raise MessageError("the compressed image is no PNG")
-    _, _, chunk, width, height, depth, kind = PNG_HEADER.unpack_from(data.data)
-    if chunk != b"IHDR" or (depth, kind) != (16, 0):
-        raise MessageError(f"the PNG has {depth} bits of colour type {kind}; depth has 16 bits of grey")
-    if width * height * 2 > len(data) * DEFLATE_RATIO:
-        raise MessageError(f"the PNG has {len(data)} bytes, which cannot hold {width} × {height} pixels")
-    return width, height
-
-
-def _check_chunks(data: ByteArray) -> None:
-    """Raise `MessageError` if the PNG is cut off or altered; the decoder would print that to stderr, or overlook it."""
-    end = len(PNG_MAGIC)
-    kind = b""
-    while kind != b"IEND":
-        begin = end
-        if begin + PNG_CHUNK.size > len(data):
-            raise MessageError(f"the PNG is cut off after {len(data)} bytes")
-        size, kind = PNG_CHUNK.unpack_from(data.data, begin)
-        end = begin + PNG_CHUNK.size + size + PNG_CHECKSUM.size
-        if end > len(data):
-            raise MessageError(f"the PNG is cut off after {len(data)} bytes")
-        checked = data[begin + PNG_CHECKSUM.size : end - PNG_CHECKSUM.size]
-        if PNG_CHECKSUM.unpack_from(data.data, end - PNG_CHECKSUM.size)[0] != zlib.crc32(checked.data):
-            raise MessageError("the PNG is broken: a checksum does not match")
-
-
-def _decoded_png(data: ByteArray) -> NDArray[Any]:
-    import cv2
-
-    width, height = _png_size(data)
-    _check_chunks(data)
-    try:
-        raw = cv2.imdecode(data, cv2.IMREAD_UNCHANGED)
-    except cv2.error as error:
-        raise MessageError("the PNG is broken") from error
-    if raw is None or raw.shape != (height, width) or raw.dtype != np.uint16:
-        raise MessageError("the PNG is broken")
-    return np.asarray(raw)
+    codec = "rvl" if "rvl" in how else "png"
+    return data[CONFIG_HEADER.size :], codec, None if encoding in MILLIMETRES else (a, b)

@@ -7,8 +7,16 @@ from typing import Any
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import ByteArray
-from flatgrasp_cli.model import ImageGrid
-from flatgrasp_cli.sources.messages.decoded import Decoded, MessageError, frame_name, raw_bytes, reading, stamp_ns
+from flatgrasp_cli.model import CloudWarning, ImageGrid
+from flatgrasp_cli.sources.messages.decoded import (
+    ROW_STEP_IGNORED,
+    Decoded,
+    MessageError,
+    frame_name,
+    raw_bytes,
+    reading,
+    stamp_ns,
+)
 from flatgrasp_cli.sources.messages.packed import PackedField, PackedPoints
 
 TYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 8: "f8"}
@@ -19,7 +27,8 @@ def decode_pointcloud2(message: Any, *, colors: bool = False) -> Decoded:
     """Decode a PointCloud2 of any legal layout.
 
     x, y, z may be of any type, at any offset and in any order, big endian or not, with padding between points and rows.
-    Colours are rgb or rgba packed in 4 bytes, or r, g, b apart.
+    Colours are rgb or rgba packed in 4 bytes, or r, g, b apart. Where the data is exactly that of the points, a
+    row_step that says otherwise is ignored, with a warning.
 
     Raises
     ------
@@ -33,7 +42,7 @@ def decode_pointcloud2(message: Any, *, colors: bool = False) -> Decoded:
         stamp, frame = stamp_ns(header.stamp), frame_name(header.frame_id)
         if height * width == 0:
             return Decoded(np.empty((0, 3)), None, 0, (height, width), frame, stamp)
-        data = _rows(raw_bytes(message.data), (height, width), step, int(message.row_step))
+        data, warnings = _rows(raw_bytes(message.data), (height, width), step, int(message.row_step))
         order = ">" if message.is_bigendian else "<"
         fields = {
             field.name: PackedField(int(field.offset), np.dtype(order + TYPES[field.datatype]))
@@ -49,11 +58,14 @@ def decode_pointcloud2(message: Any, *, colors: bool = False) -> Decoded:
         frame_id=frame,
         stamp_ns=stamp,
         pixels=ImageGrid((height, width), kept) if min(height, width) > 1 else None,
+        warnings=warnings,
     )
 
 
-def _rows(data: ByteArray, shape: tuple[int, int], step: int, row_step: int) -> ByteArray:
-    """The data with nothing between its rows, once it is known to hold as many points as declared."""
+def _rows(
+    data: ByteArray, shape: tuple[int, int], step: int, row_step: int
+) -> tuple[ByteArray, tuple[CloudWarning, ...]]:
+    """The data with nothing between its rows, once it is known to hold as many points as declared; and warnings."""
     height, width = shape
     if min(shape) < 0:
         raise MessageError(f"declares {width} × {height} points")
@@ -62,6 +74,8 @@ def _rows(data: ByteArray, shape: tuple[int, int], step: int, row_step: int) -> 
     row = width * step
     if height == 1:
         row_step = row  # many publishers leave it unset: there is no second row to find
+    if row_step != row and len(data) == height * row:
+        return data, (ROW_STEP_IGNORED,)  # with padding there would be more
     if row_step < row:
         raise MessageError(f"row_step is {row_step}, but {width} points of {step} bytes need {row}")
     # the padding of the last row may be left out
@@ -72,9 +86,9 @@ def _rows(data: ByteArray, shape: tuple[int, int], step: int, row_step: int) -> 
             f"data has {len(data)} bytes, {width} × {height} points of {step} bytes{padding} need {need}"
         )
     if row_step == row:
-        return data
+        return data, ()
     rows: ByteArray = np.ndarray((height, row), np.uint8, data.data, 0, (row_step, 1))
-    return rows.reshape(-1)
+    return rows.reshape(-1), ()
 
 
 def decode_pointcloud(message: Any, *, colors: bool = False) -> Decoded:

@@ -1,0 +1,61 @@
+"""Single points that belong to nothing: flying pixels, reflections, a wrong float. They must not decide anything."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.sampling import spread_indices
+from flatgrasp_cli.model import Cloud
+
+SAMPLE, TAIL_SHARE = 4000, 0.01
+"""The box that holds a cloud but for this share at each end of each axis, of an even sample."""
+LEAST_MARGIN_M = 1.0
+ALONE = 3
+"""So many points within a block of 3 × 3 × 3 cells, or more, are no strays."""
+MAX_CELLS = 4_000_000
+ROW = 512
+
+
+def without_far_strays(cloud: Cloud) -> Cloud:
+    """The cloud without points farther from the bulk of it than that is large, and than a metre; they are dropped.
+
+    What is looked for stands in the bulk; extents, rasters and range images of the whole would be the strays'.
+    """
+    if len(cloud.points) == 0:
+        return cloud
+    sample = cloud.points[spread_indices(len(cloud.points), SAMPLE)]
+    tail = int(TAIL_SHARE * len(sample))
+    ends = np.partition(sample, [tail, len(sample) - 1 - tail], axis=0)
+    low, high = ends[tail], ends[len(sample) - 1 - tail]
+    margin = max(LEAST_MARGIN_M, float(np.linalg.norm(high - low)))
+    outside = _outside(cloud.points, low - margin, high + margin)
+    return cloud.without(outside) if len(outside) else cloud
+
+
+def _outside(points: FloatArray, low: FloatArray, high: FloatArray) -> IntArray:
+    """Rows of `points` (n, 3) outside a box; long rows of many points each are compared at once, which is faster."""
+    whole = len(points) - len(points) % ROW
+    long = points[:whole].reshape(-1, 3 * ROW)
+    if not ((long < np.tile(low, ROW)) | (long > np.tile(high, ROW))).any():
+        rest = points[whole:]
+        return whole + np.flatnonzero(((rest < low) | (rest > high)).any(axis=1))
+    return np.flatnonzero(((points < low) | (points > high)).any(axis=1))
+
+
+def lonely(points: FloatArray, cell_m: float) -> BoolArray:
+    """Which of `points` (n, 3) have fewer than two others in the cells around them: cubes of side `cell_m`."""
+    if len(points) == 0:
+        return np.zeros(0, dtype=np.bool_)
+    low, high = points.min(axis=0), points.max(axis=0)
+    cell_m = max(cell_m, float(np.prod((high - low) + cell_m) / MAX_CELLS) ** (1 / 3))
+    shape = ((high - low) / cell_m).astype(np.intp) + 3  # a rim, so that no neighbour lies outside
+    place = ((points - low) / cell_m).astype(np.intp) + 1
+    cell = (place[:, 0] * shape[1] + place[:, 1]) * shape[2] + place[:, 2]
+    count = np.bincount(cell, minlength=int(np.prod(shape)))
+    alone = count[cell] < ALONE
+    few = np.flatnonzero(alone)
+    around = np.array([-1, 0, 1])
+    steps = ((around[:, None, None] * shape[1] + around[:, None]) * shape[2] + around).ravel()
+    alone[few] = count[cell[few, None] + steps].sum(axis=1) < ALONE
+    return np.asarray(alone, dtype=np.bool_)
