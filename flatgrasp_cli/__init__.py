@@ -8,10 +8,10 @@
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any
-
+TYPE_CHECKING = False  # typing itself takes as long to load as Python does: Ctrl-C must be answered before that
 if TYPE_CHECKING:
+    from typing import Any
+
     from flatgrasp_cli.model import Cloud, Sensor
     from flatgrasp_cli.planning import Plan, in_base_frame, plan
     from flatgrasp_cli.profiles import load_camera_pose, load_gripper, load_robot, load_settings
@@ -50,6 +50,8 @@ _HOMES = {
 
 def __getattr__(name: str) -> Any:
     """Import a public name when it is first asked for: `flatgrasp --help` needs none of numpy, pydantic and Open3D."""
+    import importlib
+
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(importlib.import_module(_HOMES[name]), name)

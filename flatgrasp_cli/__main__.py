@@ -1,5 +1,35 @@
-"""`python -m flatgrasp_cli`."""
+"""The command `flatgrasp`, and `python -m flatgrasp_cli`."""
 
-from flatgrasp_cli.cli import main
+from __future__ import annotations
 
-main()
+import sys
+
+from flatgrasp_cli.interrupts import INTERRUPTED, Interrupts, say_interrupted
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import NoReturn
+
+
+def main() -> NoReturn:
+    """Run the command line as a process, which Ctrl-C ends quietly from here on."""
+    interrupts = Interrupts()
+    try:
+        try:
+            interrupts.install()
+            from flatgrasp_cli.cli import run
+
+            code = run()
+        finally:
+            interrupts.ignore()
+    except BaseException:
+        if not interrupts.asked:
+            raise
+        say_interrupted()  # whatever a library made of it
+    if interrupts.asked:
+        code = INTERRUPTED
+    sys.exit(code)
+
+
+if __name__ == "__main__":
+    main()

@@ -16,6 +16,10 @@ class UsageError(FlatgraspError):
     """A wrong option or an output that cannot be written."""
 
 
+class FigureError(UsageError):
+    """A picture that cannot be drawn; what it would show is not lost by that."""
+
+
 class ProfileError(FlatgraspError):
     """A gripper, robot or planner profile that is missing, malformed or out of range."""
 

@@ -15,7 +15,7 @@ import shapely
 from hypothesis import settings
 from scipy.spatial.transform import Rotation
 
-from flatgrasp_cli.cli import main
+from flatgrasp_cli.cli import run as run_here
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.model import Cloud, Source
@@ -185,7 +185,7 @@ Run = Callable[..., Ended]
 
 @pytest.fixture
 def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
-    """Call `main` with arguments in an empty folder, perhaps with bytes on standard input."""
+    """Run the command line with arguments in an empty folder, perhaps with bytes on standard input."""
     folder = tmp_path / "here"
     folder.mkdir()
     monkeypatch.chdir(folder)
@@ -196,11 +196,9 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureF
         monkeypatch.setattr(sys, "argv", ["flatgrasp", *map(str, arguments)])
         monkeypatch.setattr(sys, "stdin", given)
         capsys.readouterr()
-        with pytest.raises(SystemExit) as end:
-            main()
+        code = run_here()
         printed = capsys.readouterr()
-        assert isinstance(end.value.code, int)
         assert "Traceback" not in printed.err
-        return Ended(end.value.code, printed.out, printed.err)
+        return Ended(code, printed.out, printed.err)
 
     return call

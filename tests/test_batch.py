@@ -24,11 +24,11 @@ from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Ros2Writer
 
 from flatgrasp_cli.batch import run as run_module
-from flatgrasp_cli.batch import store as store_module
 from flatgrasp_cli.batch.inputs import find_inputs, fingerprint
 from flatgrasp_cli.batch.slices import FRAMES, slices_of
 from flatgrasp_cli.batch.work import work as work_of_a_slice
 from flatgrasp_cli.sources.selection import Every, Moment, Selection
+from flatgrasp_cli.whole_files import write_text
 from tests.conftest import SAMPLES, Ended, Run
 from tests.recordings import CLOUD_TYPE, POINTS, ROS2, START_NS
 from tests.test_cli import slab, write_pcd
@@ -384,7 +384,7 @@ def test_a_changed_or_repaired_input_is_planned_again(run: Run, tmp_path: Path) 
 def test_a_full_disk_leaves_what_is_whole(
     long: Path, whole: dict[str, str], plate: Path, run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    real = store_module._write
+    real = write_text
     written = 0
 
     def write(path: Path, lines: Any) -> None:
@@ -394,11 +394,11 @@ def test_a_full_disk_leaves_what_is_whole(
             raise OSError(28, "No space left on device")
         real(path, lines)
 
-    monkeypatch.setattr(store_module, "_write", write)
+    monkeypatch.setattr("flatgrasp_cli.batch.store.write_text", write)
     done: Ended = run("batch", long, plate, "-o", "out", "-j", "1", *FAST)
     assert done.code == 2
     assert "No space left on device" in done.err
-    monkeypatch.setattr(store_module, "_write", real)
+    monkeypatch.setattr("flatgrasp_cli.batch.store.write_text", real)
     assert run("batch", long, plate, "-o", "out", "-j", "1", *FAST).code == 0
     assert files(Path("out")) == whole
 

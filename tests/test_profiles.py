@@ -57,7 +57,7 @@ def test_jaw_widths_of_a_thumb_and_a_pair() -> None:
 @pytest.mark.parametrize(
     ("line", "words"),
     [
-        ("max_opening_m: -0.09", ["max_opening_m", "-0.09", "greater than 0"]),
+        ("max_opening_m: -0.09", ["max_opening_m", "-0.09", "greater than or equal to 0.0001"]),
         ("max_opening_m: 90", ["max_opening_m", "90", "less than or equal to 10"]),
         ("max_opening_m: wide", ["max_opening_m", "'wide'", "number"]),
         ("max_opening_m: .nan", ["max_opening_m", "nan", "finite"]),
@@ -66,8 +66,20 @@ def test_jaw_widths_of_a_thumb_and_a_pair() -> None:
         ("min_opening_m: 0.2\nmax_opening_m: 0.1", ["min_opening_m 0.2", "below", "max_opening_m 0.1"]),
         ("name: a\nname: b", ["given twice", "'name'"]),
         ("name: [", ["not valid YAML", "profile.yaml:"]),
+        ("finger_thickness_m: 1e-100", ["finger_thickness_m", "1e-100", "0.0001"]),
+        ("finger_width_m: true", ["finger_width_m", "True", "number"]),
+        ("finger_width_m: '0.01'", ["finger_width_m", "'0.01'", "number"]),
+        ("min_opening_m: 0.0899999\nmax_opening_m: 0.09", ["0.001 m more", "0.0899999"]),
+        ("jaws: [[0.0], [1.0e+9]]", ["jaws.1.0", "less than or equal to 10"]),
+        ("jaws: [[false], [0.0]]", ["jaws.0.0", "False", "number"]),
+        (f"palm_m: {'9' * 5000}", ["profile.yaml", "4300 digits"]),
+        ("palm_m: &a [*a]", ["profile.yaml:", "no aliases"]),
+        ("a: &a [x, x]\nb: &b [*a, *a]\npalm_m: [*b, *b]", ["no aliases"]),
+        (f"palm_m: {'[' * 30}{']' * 30}", ["more than 20 levels"]),
+        ("palm_m:\t0.1\n\tname: x", ["not valid YAML"]),
+        (f"palm_m: {'x' * 5000}", ["palm_m", "number"]),
     ],
-    ids=["negative", "millimetres", "word", "nan", "typo", "choice", "crossed", "twice", "yaml"],
+    ids=lambda each: each[:30] if isinstance(each, str) else "",
 )
 def test_a_fault_is_named_with_file_key_value_and_cure(line: str, words: list[str], tmp_path: Path) -> None:
     keys = [each.split(":")[0] for each in line.splitlines()]
@@ -81,6 +93,36 @@ def test_a_fault_is_named_with_file_key_value_and_cure(line: str, words: list[st
     assert len(text.splitlines()) <= 2
     for word in words:
         assert word in text
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"name: \xff", "UTF-8"),
+        (b"name: x\x00", "not valid YAML"),
+        (b"a: 1\n" * 1_000_000, "too many"),
+        (b"- a", "this is tuple"),
+        (b"", "this is NoneType"),
+        (b"2001-02-30: a", "not valid YAML"),
+    ],
+)
+def test_what_is_no_profile_is_refused(content: bytes, words: str, tmp_path: Path) -> None:
+    path = tmp_path / "profile.yaml"
+    path.write_bytes(content)
+    for load in (load_gripper, load_robot, load_settings):
+        with pytest.raises(ProfileError, match=words) as caught:
+            load(str(path))
+        assert len(str(caught.value)) < 300
+    with pytest.raises(ProfileError, match=words):
+        problems_in(path)
+
+
+@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="needs a file without an end")
+def test_a_file_without_an_end(tmp_path: Path) -> None:
+    path = tmp_path / "zero.yaml"
+    path.symlink_to("/dev/zero")
+    with pytest.raises(ProfileError, match="too many"):
+        load_gripper(str(path))
 
 
 def test_a_robot_is_not_a_gripper() -> None:
@@ -109,7 +151,7 @@ def test_check_lists_every_fault(tmp_path: Path) -> None:
 
 
 def test_the_command_line_beats_the_file() -> None:
-    settings = load_settings("default", ("fingers.step_m=0.004", "balance.friction=0.3"))
+    settings = load_settings("default", ("fingers.step_m=4e-3", "balance.friction=0.3"))
     assert settings.fingers.step_m == 0.004
     assert settings.balance.friction == 0.3
 
@@ -119,9 +161,16 @@ def test_the_command_line_beats_the_file() -> None:
     [
         ("fingers.stepm=1", "'step_m'"),
         ("finger.step_m=1", "'fingers'"),
-        ("fingers.step_m=-1", "greater than 0"),
+        ("fingers.step_m=-1", "greater than or equal to 0.0005"),
         ("fingers.step_m", "section.key=value"),
         ("seed.x=1", "not a section"),
+        ("fingers.step_m=true", "valid number"),
+        ("fingers.rays=1.5", "valid integer"),
+        ("silhouette.inner_loops=1", "boolean"),
+        ("scene.crop=[1,2]", "scene.crop"),
+        ("scene.up=[.nan,0,1]", "finite"),
+        ("scene.up=[1.0e-300,0,0]", "must not be zero"),
+        ("fingers.step_m=" + "[" * 100, "not a YAML value"),
     ],
 )
 def test_a_wrong_override_says_what_is_allowed(override: str, words: str) -> None:

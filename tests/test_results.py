@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,7 +14,7 @@ from flatgrasp_cli import load_gripper, load_settings, plan, read_clouds
 from flatgrasp_cli.geometry.polygon import signed_area
 from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.results.document import json_schema, to_document, to_json
-from flatgrasp_cli.results.figures import final_figure, save_figure, stage_figures
+from flatgrasp_cli.results.figures import as_png, final_figure, stage_figures
 from flatgrasp_cli.results.figures.hand import finger_boxes, hand_in_plane
 from flatgrasp_cli.results.figures.style import RED
 from tests.conftest import SAMPLES, cloud_of, rectangle, sampled
@@ -122,12 +121,11 @@ def test_finger_boxes_of_a_thumb_and_a_pair() -> None:
 @pytest.mark.parametrize(
     ("result", "count"), [(PLATE, 17), (TOO_WIDE, 12), (NOTHING, 1)], ids=["grasps", "none", "empty"]
 )
-def test_stage_figures_go_as_far_as_the_method_went(result: Plan, count: int, tmp_path: Path) -> None:
-    names = [name for name, _ in stage_figures(result)]
+def test_stage_figures_go_as_far_as_the_method_went(result: Plan, count: int) -> None:
+    names = [name for name, draw in stage_figures(result) if as_png(draw) is not None]
     assert len(names) == count
     assert "08_funnel" in names
-    save_figure(final_figure(result), tmp_path / "final.png")
-    assert (tmp_path / "final.png").read_bytes().startswith(b"\x89PNG")
+    assert (as_png(lambda: final_figure(result)) or b"").startswith(b"\x89PNG")
 
 
 @pytest.mark.parametrize("gripper", ["lacquey", "pr2", "wsg_50"])

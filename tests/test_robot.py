@@ -503,7 +503,7 @@ def test_every_robot_reaches_a_grasp_before_it(name: str) -> None:
     [
         ("alpha_deg: [90, 0, 0, 90, -90, 0]", "alpha_deg: [90, 0, 90, 90, -90, 0]", "only arms of the UR family"),
         ("a_m: [0.0, -0.425", "a_m: [0.1, -0.425", "only arms of the UR family"),
-        ("a_m: [0.0, -0.425", "a_m: [0.0, 0.0", "must not be 0"),
+        ("a_m: [0.0, -0.425", "a_m: [0.0, 0.0", "0.01 m at least"),
         ("reference_deg: [0, -90, 90", "reference_deg: [0, -90, 190", "within its joint's limits"),
     ],
     ids=["twist", "offset", "no link", "reference"],

@@ -12,6 +12,7 @@ from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing.connection import wait
+from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import Any, TypeVar
 
 from flatgrasp_cli.errors import UsageError
@@ -64,9 +65,7 @@ class Workers:
 @contextmanager
 def _processes(workers: int) -> Iterator[Executor]:
     one_thread_each()
-    # spawned, not forked: libraries with threads of their own do not survive a fork
-    context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_become_worker)
+    pool = ProcessPoolExecutor(workers, mp_context=_Workplace(), initializer=_end_with_parent)
     try:
         yield pool
     finally:
@@ -75,17 +74,34 @@ def _processes(workers: int) -> Iterator[Executor]:
             process.terminate()
 
 
-def _become_worker() -> None:
-    """Leave Ctrl-C to the coordinator, and end when it does, however it ended."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+class _Worker(SpawnProcess):
+    """Never gets a Ctrl-C, from its first moment on: that is for the coordinator."""
+
+    def start(self) -> None:
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # which the new process inherits
+        try:
+            super().start()
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+class _Workplace(SpawnContext):
+    """Workers are spawned, not forked: libraries with threads of their own do not survive a fork."""
+
+    Process = _Worker
+
+
+def _end_with_parent() -> None:
+    """Have this process end when its coordinator does, however that ended."""
     parent = multiprocessing.parent_process()
-    if parent is not None:
+    if parent is None:
+        return
 
-        def end_with_parent() -> None:
-            wait([parent.sentinel])
-            os._exit(1)
+    def end_after_it() -> None:
+        wait([parent.sentinel])
+        os._exit(1)
 
-        threading.Thread(target=end_with_parent, daemon=True).start()
+    threading.Thread(target=end_after_it, daemon=True).start()
 
 
 @contextmanager

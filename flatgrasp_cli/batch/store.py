@@ -23,6 +23,7 @@ from flatgrasp_cli.batch.inputs import Input
 from flatgrasp_cli.batch.work import Done
 from flatgrasp_cli.errors import UsageError
 from flatgrasp_cli.job import Job
+from flatgrasp_cli.whole_files import write_bytes, write_text
 
 SCHEMA = "flatgrasp.batch/1"
 STATE = ".flatgrasp"
@@ -72,7 +73,7 @@ class Store:
                     f"{self._out}: holds results made otherwise ({_difference(before, manifest)}); "
                     "choose another --out, or start over with --force"
                 )
-        _write(path, [manifest])
+        write_text(path, [manifest])
 
     def finished(self, item: Input, fingerprint: str) -> InputState | None:
         """The state of an input that needs no more work; None if it has changed, failed, or is not done."""
@@ -98,7 +99,7 @@ class Store:
         self._concluded.unlink(missing_ok=True)
         for name, frame in zip(_file_names(done), done.frames, strict=True):
             for kind, content in frame.pictures.items():
-                _write_bytes(self._out / item.name / f"{name}.{kind}.png", content)
+                write_bytes(self._out / item.name / f"{name}.{kind}.png", content)
         refused = sum(frame.record["status"] != "ok" for frame in done.frames)
         state = InputState(fingerprint, len(done.frames), refused, done.error, done.empty, done.warnings)
         lines = (
@@ -106,7 +107,7 @@ class Store:
             for frame in done.frames
             for line in (json.dumps(frame.record, ensure_ascii=False) + "\n", frame.document + "\n")
         )
-        _write(self._part_path(item, done.slice.index), _chain(state.line(), lines))
+        write_text(self._part_path(item, done.slice.index), _chain(state.line(), lines))
 
     def finish(self, item: Input, count: int) -> InputState:
         """Make one of the `count` slices of an input, all of which are there."""
@@ -119,8 +120,8 @@ class Store:
         refused = sum(state.refused for state in states)
         state = InputState(states[0].fingerprint, frames, refused, error, None, warnings)
         if frames:
-            _write(self._documents_path(item), _renumbered(parts))
-        _write(self._done_path(item), _chain(state.line(), _records(parts)))
+            write_text(self._documents_path(item), _renumbered(parts))
+        write_text(self._done_path(item), _chain(state.line(), _records(parts)))
         for part in parts:
             part.unlink()
         for folder in parts[0].parents:  # of names with folders, up to those that others still need
@@ -143,11 +144,11 @@ class Store:
 
     def write(self, name: str, text: str) -> None:
         """Write a file about the whole batch."""
-        _write(self._out / name, [text])
+        write_text(self._out / name, [text])
 
     def conclude(self, inputs: Iterable[Input]) -> None:
         """Say that the files about the whole batch are those of these inputs, until more is added."""
-        _write(self._concluded, _sources(inputs))
+        write_text(self._concluded, _sources(inputs))
 
     def concluded(self, inputs: Iterable[Input]) -> bool:
         """Whether they are."""
@@ -242,19 +243,3 @@ def _file_names(done: Done) -> Iterator[str]:
 def _chain(first: str, rest: Iterable[str]) -> Iterator[str]:
     yield first
     yield from rest
-
-
-def _write(path: Path, lines: Iterable[str]) -> None:
-    """Write a file so that it is whole or not there, whenever this process ends."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    draft = path.with_name(f".{path.name}.part")
-    with draft.open("w", encoding="utf-8", newline="\n") as out:
-        out.writelines(lines)
-    draft.replace(path)
-
-
-def _write_bytes(path: Path, content: bytes) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    draft = path.with_name(f".{path.name}.part")
-    draft.write_bytes(content)
-    draft.replace(path)

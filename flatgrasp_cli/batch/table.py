@@ -11,6 +11,7 @@ from typing import Any
 
 from flatgrasp_cli.batch.inputs import Input
 from flatgrasp_cli.batch.store import Store
+from flatgrasp_cli.whole_files import draft_of
 
 Row = dict[str, Any]
 
@@ -32,9 +33,9 @@ def write_table(store: Store, inputs: Iterable[Input]) -> Path:
     rows = (row for item in inputs if store.state(item) is not None for row in _rows(store, item))
     parquet = find_spec("pyarrow") is not None
     path = store.path("grasps.parquet" if parquet else "grasps.csv")
-    draft = path.with_name(f".{path.name}.part")
-    (_write_parquet if parquet else _write_csv)(draft, rows)
-    return draft.replace(path)
+    with draft_of(path) as draft:
+        (_write_parquet if parquet else _write_csv)(draft, rows)
+    return path
 
 
 def _rows(store: Store, item: Input) -> Iterator[Row]:

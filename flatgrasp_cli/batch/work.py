@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-import io
 import logging
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 from flatgrasp_cli.batch.slices import Slice
-from flatgrasp_cli.errors import FlatgraspError, NoFramesError
+from flatgrasp_cli.errors import FigureError, FlatgraspError, NoFramesError
 from flatgrasp_cli.job import Job
 from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.results.document import to_document, to_json
 
+LOGGER = logging.getLogger(__name__)
 MM = 1000.0
 
 
@@ -98,15 +99,18 @@ def _sketch(plan: Plan) -> dict[str, Any] | None:
 
 
 def _pictures(plan: Plan) -> dict[str, bytes]:
-    from flatgrasp_cli.results.figures import arm_figure, final_figure, save_figure
+    from flatgrasp_cli.results.figures import arm_figure, as_png, final_figure
 
-    figures = {"grasps": final_figure(plan), "arm": arm_figure(plan)}
+    drawings: dict[str, Callable[[Plan], Any]] = {"grasps": final_figure, "arm": arm_figure}
     pictures = {}
-    for name, figure in figures.items():
-        if figure is not None:
-            content = io.BytesIO()
-            save_figure(figure, content)
-            pictures[name] = content.getvalue()
+    for name, draw in drawings.items():
+        try:
+            content = as_png(partial(draw, plan))
+        except FigureError as error:
+            LOGGER.warning("%s: %s", plan.cloud.source, error)
+            continue
+        if content is not None:
+            pictures[name] = content
     return pictures
 
 

@@ -12,12 +12,13 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any, NoReturn
+from typing import Any
 
 import click
 
 from flatgrasp_cli import __version__
 from flatgrasp_cli.errors import FlatgraspError, UsageError
+from flatgrasp_cli.interrupts import INTERRUPTED
 from flatgrasp_cli.threads import one_thread_each
 
 COMMANDS = {
@@ -29,7 +30,6 @@ COMMANDS = {
     "profiles": "List, show and check gripper, robot and planner profiles.",
     "schema": "Print the JSON Schema of the documents that plan writes.",
 }
-INTERRUPTED = 130
 STDOUT = 1
 
 
@@ -84,8 +84,8 @@ def _abandon_stdout() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), STDOUT)
 
 
-def main() -> NoReturn:
-    """Run the command line as a process: errors become one or two lines on stderr and an exit code."""
+def run() -> int:
+    """Run the process's command line; errors become one or two lines on stderr and the exit code that is returned."""
     one_thread_each()
     logging.basicConfig(format="flatgrasp: %(levelname)s: %(message)s", level=logging.WARNING, stream=sys.stderr)
     logging.addLevelName(logging.WARNING, "warning")
@@ -109,4 +109,4 @@ def main() -> NoReturn:
         _abandon_stdout()
         click.echo(f"flatgrasp: the output cannot be written: {error.strerror or error}", err=True)
         code = UsageError.exit_code
-    sys.exit(code if isinstance(code, int) else 0)
+    return code if isinstance(code, int) else 0

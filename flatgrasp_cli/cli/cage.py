@@ -4,22 +4,39 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from flatgrasp_cli.cli.outputs import Names, Warnings, writing
+from flatgrasp_cli.cli.outputs import NO_GRASP, Names, Pictures, Warnings, say_refusal
 from flatgrasp_cli.cli.planning_options import planning_options
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from flatgrasp_cli.geometry.arrays import FloatArray
     from flatgrasp_cli.job import Job
+    from flatgrasp_cli.model import ObjectPlan
     from flatgrasp_cli.planner.caging import Immobilisation
     from flatgrasp_cli.profiles.settings import CagingSettings
 
-NO_GRASP = 1
-Outline = tuple[str, "int | None", "tuple[FloatArray, ...]", "CagingSettings"]
+
+LISTED = 50
+"""Grasps that are printed for people."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Outline:
+    """What is caged: `thing` is its number in its cloud, None for a polygon; `stem` names its files."""
+
+    stem: str
+    source: str
+    thing: int | None
+    loops: tuple[FloatArray, ...]
+    settings: CagingSettings
 
 
 @click.command("cage")
@@ -31,43 +48,52 @@ def command(source: str, job: Job, out: Path | None, as_json: bool) -> int:
     """Show all grasps of two point fingers on an outline, and within which openings each cages it.
 
     A POLYGON is a JSON list of [x, y] in any unit, counter-clockwise or not, holes after it as further lists; or CSV of
-    x,y. Of a CLOUD it is every object's outline. After Allen, Burdick & Rimon (ICRA 2012). Exit code 1: no such grasp.
+    x,y. Of a CLOUD it is every object's outline. After Allen, Burdick & Rimon (ICRA 2012).
+
+    Exit code 0: a grasp on every outline; 1: none on some, or no object in some cloud; 2: some picture could not be
+    drawn; 3: the source could not be read.
     """
     from flatgrasp_cli.planner.caging import immobilising_grasps
     from flatgrasp_cli.results.cages import cage_document
     from flatgrasp_cli.results.document import to_json
 
-    code, names = 0, Names()
-    stem = names.of_source(source)
-    for name, thing, loops, settings in _outlines(source, job):
-        found = immobilising_grasps(loops, settings) if loops else ()
-        document = cage_document(name, thing, loops, found, settings)
-        if as_json:
-            click.echo(to_json(document))
-        else:
-            _print(document)
-        if out is not None and loops:
-            _draw(loops, found, document, out / f"{stem if thing is None else f'{stem}.{thing}'}.cage.png")
-        code = code if found else NO_GRASP
-    return code
+    code, pictures = 0, Pictures(out)
+    for outlines in _outlines(source, job):
+        for one in outlines:
+            found = immobilising_grasps(one.loops, one.settings) if one.loops else ()
+            document = cage_document(one.source, one.thing, one.loops, found, one.settings)
+            if as_json:
+                click.echo(to_json(document))
+            else:
+                _print(document)
+            pictures.save(f"{one.stem}.cage", partial(_figure, one, found))
+            code = code if found else NO_GRASP
+        code = code if outlines else NO_GRASP
+    return pictures.code or code
 
 
-def _outlines(source: str, job: Job) -> Iterator[Outline]:
-    """What is caged, its number in its cloud, its loops, and the settings for them."""
+def _outlines(source: str, job: Job) -> Iterator[list[_Outline]]:
+    """The polygon, or the outlines of all objects of each cloud; says on stderr when a cloud shows none."""
     from flatgrasp_cli.sources.polygon import is_polygon, read_polygon
 
-    caging = job.settings.caging
+    caging, names = job.settings.caging, Names()
+    stem = names.of_source(source)
     if is_polygon(source):
         exact = {"tolerance_m": 0.0, "noise_m": 0.0, "told_apart_m": 0.0, "max_vertices": 1000}
-        yield source, None, read_polygon(source), caging.model_copy(update=exact)
+        yield [_Outline(stem, source, None, read_polygon(source), caging.model_copy(update=exact))]
         return
     warnings = Warnings()
     for cloud, _ in job.clouds(source):
-        plan = job.plan(cloud)
+        plan, name = job.plan(cloud), names.of_frame(stem, cloud, source)
         warnings.tell(plan, source)
-        for item in plan.objects:
-            outline = item.trace.silhouette
-            yield str(cloud.source), item.object.id, outline.loops if outline else (), caging
+        if not plan.objects:
+            say_refusal(plan)
+        yield [_of_object(item, name, str(cloud.source), caging) for item in plan.objects]
+
+
+def _of_object(item: ObjectPlan, name: str, source: str, caging: CagingSettings) -> _Outline:
+    thing, outline = item.object.id, item.trace.silhouette
+    return _Outline(f"{name}.{thing}", source, thing, outline.loops if outline else (), caging)
 
 
 def _print(document: dict[str, Any]) -> None:
@@ -83,7 +109,7 @@ def _print(document: dict[str, Any]) -> None:
     way = "max" if document["closing"] == "inward" else "min"
     for heading in ("rank", "width", "another grasp from", "gets away from", "contacts"):
         table.add_column(heading, justify="right")
-    for grasp in document["grasps"]:
+    for grasp in document["grasps"][:LISTED]:
         cage = grasp["cage"]
         limits = [cage[f"basin_opening_{way}_m"], cage[f"opening_{way}_m"]]
         table.add_row(
@@ -95,15 +121,12 @@ def _print(document: dict[str, Any]) -> None:
     console = Console(width=None if sys.stdout.isatty() else 120)
     with console.capture() as text:
         console.print(table)
+        if len(document["grasps"]) > LISTED:
+            console.print(f"and {len(document['grasps']) - LISTED} more; --json lists them")
     click.echo(text.get(), nl=False)
 
 
-def _draw(
-    loops: tuple[FloatArray, ...], found: tuple[Immobilisation, ...], document: dict[str, Any], path: Path
-) -> None:
-    from flatgrasp_cli.results.figures import save_figure
+def _figure(outline: _Outline, found: tuple[Immobilisation, ...]) -> Figure | None:
     from flatgrasp_cli.results.figures.cage import cage_figure
 
-    with writing(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        save_figure(cage_figure(loops, found, Path(document["source"]).name), path)
+    return cage_figure(outline.loops, found, Path(outline.source).name) if outline.loops else None

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import sys
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from flatgrasp_cli.cli.outputs import Names, Warnings, writing
+from flatgrasp_cli.cli.outputs import NO_GRASP, Names, Pictures, Sources, Warnings, say_refusal
 from flatgrasp_cli.cli.planning_options import planning_options
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from flatgrasp_cli.comparison import Comparison
     from flatgrasp_cli.job import Job
+    from flatgrasp_cli.model import Cloud
 
 SCHEMA = "flatgrasp.compare/1"
 
@@ -27,31 +31,32 @@ def command(sources: tuple[str, ...], job: Job, out: Path | None, as_json: bool)
     """Compare our grasps with those of two point fingers (Allen, Burdick & Rimon 2012), as the paper's figure 21 does.
 
     Says which of theirs the gripper cannot carry out, and why. Draws STEM.compare.png of each object with --out.
+
+    Exit code 0: ours finds a grasp in every cloud; 1: in some cloud it finds none, stderr says why; 2: some picture
+    could not be drawn; 3: some source could not be read.
     """
     from flatgrasp_cli.comparison import compare
     from flatgrasp_cli.results.document import to_json
 
-    names, warnings, rows = Names(), Warnings(), []
+    names, reading, pictures = Names(), Sources(len(sources)), Pictures(out)
+    warnings, rows, code = Warnings(), [], 0
     for source in sources:
         stem = names.of_source(source)
-        for cloud, _ in job.clouds(source):
-            plan = job.plan(cloud)
-            warnings.tell(plan, source)
-            for pair in compare(plan):
-                row = _row(str(cloud.source), pair)
-                rows.append(row)
-                if as_json:
-                    click.echo(to_json(row))
-                if out is not None and pair.ours.trace.silhouette is not None:
-                    _draw(
-                        pair,
-                        job,
-                        out / f"{names.of_frame(stem, cloud, source)}.{row['object']}.compare.png",
-                        cloud.source.path,
-                    )
-    if not as_json:
+        with reading.each():
+            for cloud, _ in job.clouds(source):
+                plan, name = job.plan(cloud), names.of_frame(stem, cloud, source)
+                warnings.tell(plan, source)
+                for pair in compare(plan):
+                    rows.append(_row(str(cloud.source), pair))
+                    if as_json:
+                        click.echo(to_json(rows[-1]))
+                    pictures.save(f"{name}.{pair.ours.object.id}.compare", partial(_figure, pair, job, cloud))
+                if plan.best is None:
+                    say_refusal(plan)
+                    code = NO_GRASP
+    if rows and not as_json:
         _print(rows)
-    return 0
+    return reading.code or pictures.code or code
 
 
 def _row(source: str, pair: Comparison) -> dict[str, Any]:
@@ -100,10 +105,9 @@ def _print(rows: list[dict[str, Any]]) -> None:
     click.echo(text.get(), nl=False)
 
 
-def _draw(pair: Comparison, job: Job, path: Path, name: str) -> None:
-    from flatgrasp_cli.results.figures import save_figure
+def _figure(pair: Comparison, job: Job, cloud: Cloud) -> Figure | None:
     from flatgrasp_cli.results.figures.comparison import comparison_figure
 
-    with writing(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        save_figure(comparison_figure(pair.ours, pair.theirs, pair.verdicts, job.gripper, Path(name).name), path)
+    if pair.ours.trace.silhouette is None:
+        return None
+    return comparison_figure(pair.ours, pair.theirs, pair.verdicts, job.gripper, Path(cloud.source.path).name)

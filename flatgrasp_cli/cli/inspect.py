@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from flatgrasp_cli.cli.image_options import image_options, of_images
-from flatgrasp_cli.errors import SourceError
+from flatgrasp_cli.cli.outputs import Sources
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -45,22 +45,16 @@ def command(sources: tuple[str, ...], as_json: bool, **images: Any) -> int:
     from flatgrasp_cli.sources.summary import summarize
 
     selection = Selection(**of_images(**images))
-    code = 0
+    reading = Sources(len(sources))
     for source in sources:
-        try:
+        with reading.each():
             summary = summarize(source, selection)
-        except SourceError as error:
-            if len(sources) == 1:
-                raise
-            click.echo(f"flatgrasp: {error}", err=True)
-            code = error.exit_code
-            continue
-        if as_json:
-            values = {"schema": SCHEMA, **asdict(summary), "duration_s": summary.duration_s}
-            click.echo(json.dumps(values, allow_nan=False))
-        else:
-            _print(summary)
-    return code
+            if as_json:
+                values = {"schema": SCHEMA, **asdict(summary), "duration_s": summary.duration_s}
+                click.echo(json.dumps(values, allow_nan=False))
+            else:
+                _print(summary)
+    return reading.code
 
 
 def _print(summary: Summary) -> None:

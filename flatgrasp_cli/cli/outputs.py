@@ -4,20 +4,25 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from flatgrasp_cli.errors import UsageError
+from flatgrasp_cli.errors import FigureError, SourceError, UsageError
+from flatgrasp_cli.whole_files import write_bytes, write_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from flatgrasp_cli.model import Cloud
     from flatgrasp_cli.planning import Plan
+
+
+NO_GRASP = 1
 
 
 class Names:
@@ -53,6 +58,31 @@ def _safe(path: str) -> str:
     return re.sub(r"[^\w.+-]", "_", Path(path).stem)
 
 
+class Pictures:
+    """Draws PNGs into `folder` (None: none). One that cannot be drawn is said on stderr and costs nothing else."""
+
+    def __init__(self, folder: Path | None) -> None:
+        self._folder = folder
+        self.code = 0
+
+    def save(self, name: str, draw: Callable[[], Figure | None]) -> None:
+        """Write what `draw` draws, if it draws anything, as `name`.png."""
+        if self._folder is None:
+            return
+        from flatgrasp_cli.results.figures import as_png
+
+        path = self._folder / f"{name}.png"
+        try:
+            content = as_png(draw)
+        except FigureError as error:
+            click.echo(f"flatgrasp: {path}: {error}", err=True)
+            self.code = error.exit_code
+            return
+        if content is not None:
+            with writing(path):
+                write_bytes(path, content)
+
+
 class Warnings:
     """Says on stderr what had to be assumed, once for each source and not for each of its frames."""
 
@@ -72,31 +102,34 @@ class Outputs:
     """Writes each plan as asked: into `folder` (None: no files), and to stdout as JSON or as a table."""
 
     def __init__(self, folder: Path | None, as_json: bool, plots: str) -> None:
-        self._folder, self._as_json, self._plots = folder, as_json, plots
+        self._folder, self._as_json, self._stages = folder, as_json, plots == "stages"
         self._warnings = Warnings()
         self.refused = 0
         self.draws = folder is not None and plots != "none"
+        self.pictures = Pictures(folder if self.draws else None)
         if folder is not None:
             with writing(folder):
                 folder.mkdir(parents=True, exist_ok=True)
 
     def write(self, plan: Plan, source: str, stem: str, read_ms: float) -> None:
-        """Write one plan of a source; says on stderr when it has no grasp."""
+        """Write one plan of a source, pictures last; says on stderr when it has no grasp."""
         from flatgrasp_cli.results.document import to_document, to_json
-        from flatgrasp_cli.results.table import refusal
 
         self._warnings.tell(plan, source)
         document = to_document(plan, read_ms)
         if self._folder is not None:
-            self._write_file(self._folder / f"{stem}.grasps.json", to_json(document, indent=2) + "\n")
-            self._draw(plan, self._folder, stem)
+            path = self._folder / f"{stem}.grasps.json"
+            with writing(path):
+                write_text(path, [to_json(document, indent=2), "\n"])
         if self._as_json:
             click.echo(to_json(document))
         elif plan.best is not None:
             self._print_table(plan)
         if plan.best is None:
             self.refused += 1
-            click.echo(f"flatgrasp: {plan.cloud.source}: {refusal(plan)}", err=True)
+            say_refusal(plan)
+        if self.draws:
+            self._draw(plan, stem)
 
     def _print_table(self, plan: Plan) -> None:
         from rich.console import Console
@@ -108,31 +141,39 @@ class Outputs:
             console.print(grasp_table(plan))
         click.echo(text.get(), nl=False)
 
-    def _draw(self, plan: Plan, folder: Path, stem: str) -> None:
-        if not self.draws:
-            return
+    def _draw(self, plan: Plan, stem: str) -> None:
         from flatgrasp_cli.results.figures import arm_figure, final_figure, stage_figures
 
-        self._save(final_figure(plan), folder / f"{stem}.grasps.png")
-        arm = arm_figure(plan)
-        if arm is not None:
-            self._save(arm, folder / f"{stem}.arm.png")
-        if self._plots == "stages":
-            stages = folder / f"{stem}.stages"
-            with writing(stages):
-                stages.mkdir(exist_ok=True)
-            for name, figure in stage_figures(plan):
-                self._save(figure, stages / f"{name}.png")
+        self.pictures.save(f"{stem}.grasps", partial(final_figure, plan))
+        self.pictures.save(f"{stem}.arm", partial(arm_figure, plan))
+        for name, draw in stage_figures(plan) if self._stages else ():
+            self.pictures.save(f"{stem}.stages/{name}", draw)
 
-    def _save(self, figure: Figure, path: Path) -> None:
-        from flatgrasp_cli.results.figures import save_figure
 
-        with writing(path):
-            save_figure(figure, path)
+class Sources:
+    """The sources of a command: with several, one that cannot be read is said, and the others get their answer."""
 
-    def _write_file(self, path: Path, text: str) -> None:
-        with writing(path):
-            path.write_text(text, encoding="utf-8")
+    def __init__(self, count: int) -> None:
+        self._count = count
+        self.code = 0
+
+    @contextmanager
+    def each(self) -> Iterator[None]:
+        """Do what is to be done with one of them."""
+        try:
+            yield
+        except SourceError as error:
+            if self._count == 1:
+                raise
+            click.echo(f"flatgrasp: {error}", err=True)
+            self.code = error.exit_code
+
+
+def say_refusal(plan: Plan) -> None:
+    """Say on stderr why a cloud has no grasp."""
+    from flatgrasp_cli.results.table import refusal
+
+    click.echo(f"flatgrasp: {plan.cloud.source}: {refusal(plan)}", err=True)
 
 
 @contextmanager
@@ -142,5 +183,5 @@ def writing(path: Path) -> Iterator[None]:
         yield
     except OSError as error:
         raise UsageError(
-            f"{path}: cannot be written: {error.strerror or error}; choose another folder with --out DIR"
+            f"{path}: cannot be written: {error.strerror or error}; make room, or choose another folder with --out DIR"
         ) from error

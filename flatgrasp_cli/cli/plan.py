@@ -8,14 +8,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from flatgrasp_cli.cli.outputs import Names, Outputs
+from flatgrasp_cli.cli.outputs import NO_GRASP, Names, Outputs, Sources
 from flatgrasp_cli.cli.planning_options import planning_options
-from flatgrasp_cli.errors import SourceError
 
 if TYPE_CHECKING:
     from flatgrasp_cli.job import Job
-
-NO_GRASP = 1
 
 
 @click.command("plan")
@@ -43,23 +40,17 @@ def command(sources: tuple[str, ...], job: Job, out: Path | None, as_json: bool,
     alone or a folder of them; recordings MCAP files, ROS 1 bags, or ROS 2 bags, folder or file. Writes STEM.grasps.json
     and STEM.grasps.png for each cloud, STEM.STAMP.grasps.* for each frame of a recording, STEM.IMAGE.grasps.* for each
     image of a folder, and prints the best grasps. Exit code 0: a grasp for every cloud; 1: some cloud has none, the
-    document says why; 3: some source could not be read.
+    document says why; 2: some file could not be written or picture drawn; 3: some source could not be read.
     """
     outputs = Outputs(out if as_json else out or Path(), as_json, plots)
-    names = Names()
-    code = 0
+    names, reading = Names(), Sources(len(sources))
     for source in sources:
         _refuse_terminal(source)
         stem = names.of_source(source)
-        try:
+        with reading.each():
             for cloud, read_ms in job.clouds(source, colors=outputs.draws):
                 outputs.write(job.plan(cloud), source, names.of_frame(stem, cloud, source), read_ms)
-        except SourceError as error:
-            if len(sources) == 1:
-                raise
-            click.echo(f"flatgrasp: {error}", err=True)  # the other sources still get their answer
-            code = error.exit_code
-    return code or (NO_GRASP if outputs.refused else 0)
+    return reading.code or outputs.pictures.code or (NO_GRASP if outputs.refused else 0)
 
 
 def _refuse_terminal(source: str) -> None:

@@ -104,9 +104,14 @@ def torque_balanced(pairs: GraspCandidates, limits: BalanceSettings, funnel: Fun
     values, what = {
         "friction": (pairs.required_friction, "required friction"),
         "arm": (pairs.torque_arm_m, "torque arm (m)"),
-        "normalised": (pairs.torque_arm_m / pairs.distance, "torque arm over distance"),
+        "normalised": (_share(pairs.torque_arm_m, pairs.distance), "torque arm over distance"),
     }[limits.torque]
     kept = funnel.at_most(
         "torque_balance", pairs, values, limit, lambda value: f"smallest {what} {value:.3f}, allowed {limit:.3f}"
     )
     return pairs.select(kept)
+
+
+def _share(part: FloatArray, whole: FloatArray) -> FloatArray:
+    """`part` / `whole` (p,); without end where the whole is 0, as of contacts that coincide."""
+    return np.asarray(np.divide(part, whole, out=np.full(len(part), np.inf), where=whole > 0))

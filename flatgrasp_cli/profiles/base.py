@@ -8,15 +8,21 @@ from pydantic import BaseModel, ConfigDict, Field
 
 
 class Profile(BaseModel):
-    """A frozen model in which an unknown key, NaN or infinity is an error."""
+    """A frozen model in which an unknown key, NaN, infinity, or anything but a number for a number is an error."""
 
     # built when first used: a command uses a few of the models, and of most only as parts of others
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, defer_build=True)
 
 
 Length = Annotated[float, Field(ge=0, le=10)]
 """Metres, from 0 to 10: a value in millimetres is an error."""
-PositiveLength = Annotated[float, Field(gt=0, le=10)]
-"""Metres, above 0."""
+Size = Annotated[float, Field(ge=1e-4, le=10)]
+"""Metres; a tenth of a millimetre at least, below which no part of a hand or an arm can be made."""
 Step = Annotated[float, Field(ge=1e-4, le=10)]
 """Metres; a tenth of a millimetre at least, for many short steps would take for ever."""
+Place = Annotated[float, Field(ge=-10, le=10)]
+"""Metres from an origin nearby, to either side of it."""
+FarPlace = Annotated[float, Field(ge=-1e4, le=1e4)]
+"""Metres; no farther than points are believed to have been measured."""
+Turn = Annotated[float, Field(ge=-720, le=720)]
+"""Degrees, two turns to either side at most."""

@@ -6,9 +6,11 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from flatgrasp_cli.profiles.base import Length, PositiveLength, Profile
+from flatgrasp_cli.profiles.base import Length, Place, Profile, Size
 
-Offsets = Annotated[tuple[float, ...], Field(min_length=1)]
+Offsets = Annotated[tuple[Place, ...], Field(min_length=1, max_length=10)]
+LEAST_STROKE_M = 1e-3
+"""Fingers that move less between open and closed grasp nothing: recorded points scatter as much."""
 
 
 class Gripper(Profile):
@@ -19,32 +21,37 @@ class Gripper(Profile):
     kind: Literal["parallel", "arc", "underactuated"]
     """How the fingers move: straight, on a linkage's arc, or with joints that adapt to the object."""
     min_opening_m: Length = 0.0
-    max_opening_m: PositiveLength
+    max_opening_m: Size
     """w_o: between the pads, fully open."""
-    finger_width_m: PositiveLength
+    finger_width_m: Size
     """w_f: a finger's size along its pad, across the closing axis."""
-    finger_thickness_m: PositiveLength
+    finger_thickness_m: Size
     """A fingertip's size along the closing axis: the room that it needs behind its pad."""
-    finger_length_m: PositiveLength
+    finger_length_m: Size
     """From the palm to the fingertips' ends, fully open."""
     tip_advance_m: Length = 0.0
     """How far the fingertips move away from the palm from fully open to closed (arc linkages)."""
     palm_offset_m: Length = 0.0
     """From the robot's flange to the palm, any adapter included."""
-    hand_width_m: PositiveLength
+    hand_width_m: Size
     """w_h: the palm's size across the closing axis."""
-    palm_m: PositiveLength
+    palm_m: Size
     """The palm's size along the closing axis."""
     jaws: tuple[Offsets, Offsets] = ((0.0,), (0.0,))
     """The fingers of the jaw on the −y and of the jaw on the +y side: their places along x, metres."""
-    pad_friction: Annotated[float, Field(gt=0, le=5)] = 0.5
-    """Coulomb coefficient of the pads on a common object."""
-    max_force_n: Annotated[float, Field(gt=0)] | None = None
+    pad_friction: Annotated[float, Field(ge=0.01, le=5)] = 0.5
+    """Coulomb coefficient of the pads on a common object; ice on ice has 0.02."""
+    max_force_n: Annotated[float, Field(ge=0.01, le=1e5)] | None = None
 
     @model_validator(mode="after")
     def _opens(self) -> Self:
         if self.min_opening_m >= self.max_opening_m:
             raise ValueError(f"min_opening_m {self.min_opening_m} must be below max_opening_m {self.max_opening_m}")
+        if self.max_opening_m - self.min_opening_m < LEAST_STROKE_M:
+            raise ValueError(
+                f"max_opening_m {self.max_opening_m} must be {LEAST_STROKE_M} m more than min_opening_m "
+                f"{self.min_opening_m} at least"
+            )
         return self
 
     def jaw_width_m(self, jaw: int) -> float:

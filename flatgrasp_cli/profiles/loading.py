@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import difflib
+import reprlib
 import types
 import typing
 from pathlib import Path
 from typing import Any, TypeVar
 
-import yaml
 from pydantic import BaseModel, ValidationError
 
 from flatgrasp_cli.errors import ProfileError
@@ -16,6 +16,7 @@ from flatgrasp_cli.profiles.base import Profile
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.robot import CameraPose, Robot
 from flatgrasp_cli.profiles.settings import PlannerSettings
+from flatgrasp_cli.profiles.yaml_text import NotYamlError, parsed
 
 FOLDERS: dict[str, str] = {"gripper": "grippers", "robot": "robots", "planner": "planner"}
 MODELS: dict[str, type[Profile]] = {"gripper": Gripper, "robot": Robot, "planner": PlannerSettings}
@@ -78,7 +79,7 @@ def load_camera_pose(text: str) -> CameraPose:
             numbers = [float(part) for part in text.split(",")]
         except ValueError:
             raise ProfileError(f"camera pose {text!r}: seven numbers are wanted, x,y,z,qx,qy,qz,qw") from None
-        data: dict[str, Any] = {"position_m": numbers[:3], "orientation_xyzw": numbers[3:]}
+        data: dict[str, Any] = {"position_m": tuple(numbers[:3]), "orientation_xyzw": tuple(numbers[3:])}
         return _validate(CameraPose, data, Path("camera pose"))
     if not Path(text).is_file():
         raise ProfileError(f"camera pose {text!r} is neither a file nor seven numbers x,y,z,qx,qy,qz,qw")
@@ -103,7 +104,9 @@ def load_profile(path: Path) -> Profile:
 def _kind_of(data: dict[str, Any], path: Path) -> str:
     kind = data.get("profile")
     if not isinstance(kind, str) or kind not in MODELS:
-        raise ProfileError(f"{path}: profile: {kind!r} is not a kind of profile; use one of {', '.join(MODELS)}")
+        raise ProfileError(
+            f"{path}: profile: {reprlib.repr(kind)} is not a kind of profile; use one of {', '.join(MODELS)}"
+        )
     return kind
 
 
@@ -114,17 +117,17 @@ def _load(model: type[P], kind: str, name_or_path: str) -> P:
 
 def _read_yaml(path: Path) -> dict[str, Any]:
     try:
-        if path.is_file() and path.stat().st_size > MAX_BYTES:
-            raise ProfileError(f"{path}: {path.stat().st_size} bytes are too many for a profile")
-        data = yaml.load(path.read_text(encoding="utf-8"), Loader=_UniqueKeys)  # noqa: S506 (a SafeLoader)
+        with path.open("rb") as file:  # what a device or a pipe holds has no size to ask for
+            content = file.read(MAX_BYTES + 1)
+        if len(content) > MAX_BYTES:
+            raise ProfileError(f"{path}: more than {MAX_BYTES} bytes are too many for a profile")
+        data = parsed(content.decode("utf-8-sig"))
     except OSError as error:
         raise ProfileError(f"{path}: cannot read the profile: {error.strerror}") from error
     except UnicodeDecodeError as error:
         raise ProfileError(f"{path}: not a text file in UTF-8 (byte {error.start})") from error
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        place = f":{mark.line + 1}:{mark.column + 1}" if mark else ""
-        raise ProfileError(f"{path}{place}: not valid YAML: {getattr(error, 'problem', error)}") from error
+    except NotYamlError as error:
+        raise ProfileError(f"{path}{error.place}: not valid YAML: {error}") from error
     if not isinstance(data, dict):
         raise ProfileError(f"{path}: a profile is a list of `key: value` lines, this is {type(data).__name__}")
     return data
@@ -137,7 +140,9 @@ def _extended(data: dict[str, Any], path: Path) -> dict[str, Any]:
     own = dict(data)
     name = own.pop("extends")
     if name not in list_profiles("planner"):
-        raise ProfileError(f"{path}: extends: {name!r} is no shipped profile; use one of {_names('planner')}")
+        raise ProfileError(
+            f"{path}: extends: {reprlib.repr(name)} is no shipped profile; use one of {_names('planner')}"
+        )
     base = _read_yaml(profile_path("planner", name))
     if "extends" in base:
         raise ProfileError(f"{path}: extends: {name!r} extends another profile itself; extend that one")
@@ -152,23 +157,6 @@ def _merged(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
     return merged
 
 
-class _UniqueKeys(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc] # libyaml is ten times as fast
-    """Safe YAML in which a key given twice is an error: plain YAML keeps the last one without a word."""
-
-    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        seen = set()
-        for key_node, _ in node.value:
-            if not isinstance(key_node, yaml.ScalarNode):
-                continue  # a list as a key: the base class says so
-            if key_node.value in seen:
-                raise yaml.constructor.ConstructorError(
-                    None, None, f"key {key_node.value!r} is given twice", key_node.start_mark
-                )
-            seen.add(key_node.value)
-        mapping: dict[Any, Any] = super().construct_mapping(node, deep)
-        return mapping
-
-
 def _apply(data: dict[str, Any], override: str) -> None:
     """Put one "section.key=value" into `data`; the model judges key and value afterwards."""
     dotted, equals, text = override.partition("=")
@@ -180,9 +168,9 @@ def _apply(data: dict[str, Any], override: str) -> None:
         if not isinstance(data, dict):
             raise ProfileError(f"--set {override}: {section} is a value, not a section")
     try:
-        data[key] = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        raise ProfileError(f"--set {override}: {text!r} is not a YAML value") from error
+        data[key] = parsed(text)
+    except NotYamlError as error:
+        raise ProfileError(f"--set {override}: {text!r} is not a YAML value: {error}") from error
 
 
 def _validate(model: type[P], data: dict[str, Any], path: Path, overrides: str = "") -> P:
@@ -218,7 +206,7 @@ def _explain(model: type[BaseModel], problem: Any) -> str:
     if problem["type"] == "missing":
         return f"{key}: missing"
     text = problem["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
-    return f"{key}: {value!r}: {text}" if key else text
+    return f"{key}: {reprlib.repr(value)}: {text}" if key else text
 
 
 def _fields_at(model: type[BaseModel], path: list[str]) -> list[str]:

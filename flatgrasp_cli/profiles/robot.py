@@ -7,19 +7,23 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from flatgrasp_cli.profiles.base import PositiveLength, Profile
+from flatgrasp_cli.profiles.base import FarPlace, Place, Profile, Size, Turn
 
-SixNumbers = tuple[float, float, float, float, float, float]
-UR_ALPHA_DEG: SixNumbers = (90.0, 0.0, 0.0, 90.0, -90.0, 0.0)
+SixPlaces = tuple[Place, Place, Place, Place, Place, Place]
+SixTurns = tuple[Turn, Turn, Turn, Turn, Turn, Turn]
+Most = Annotated[float, Field(ge=0, le=1e6)]
+SixMosts = tuple[Most, Most, Most, Most, Most, Most]
+SHORTEST_LINK_M = 0.01
+UR_ALPHA_DEG: SixTurns = (90.0, 0.0, 0.0, 90.0, -90.0, 0.0)
 """The twists that make the lift, elbow and wrist 1 axes parallel, on which the closed-form kinematics rests."""
 
 
 class DenavitHartenberg(Profile):
     """Standard Denavit–Hartenberg rows, one number a joint."""
 
-    d_m: SixNumbers
-    a_m: SixNumbers
-    alpha_deg: SixNumbers
+    d_m: SixPlaces
+    a_m: SixPlaces
+    alpha_deg: SixTurns
 
     @model_validator(mode="after")
     def _of_the_family(self) -> Self:
@@ -29,18 +33,18 @@ class DenavitHartenberg(Profile):
                 "only arms of the UR family are known: d_m 2 and 3 and a_m 1, 4, 5 and 6 must be 0, "
                 f"alpha_deg {list(map(int, UR_ALPHA_DEG))}"
             )
-        if a2 * a3 == 0:
-            raise ValueError("a_m 2 and 3, the lengths of upper arm and forearm, must not be 0")
+        if min(abs(a2), abs(a3)) < SHORTEST_LINK_M:
+            raise ValueError(f"a_m 2 and 3, the lengths of upper arm and forearm, must be {SHORTEST_LINK_M} m at least")
         return self
 
 
 class JointLimits(Profile):
     """Limits of each joint."""
 
-    lower_deg: SixNumbers
-    upper_deg: SixNumbers
-    max_speed_deg_s: SixNumbers
-    max_effort_nm: SixNumbers
+    lower_deg: SixTurns
+    upper_deg: SixTurns
+    max_speed_deg_s: SixMosts
+    max_effort_nm: SixMosts
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
@@ -52,21 +56,21 @@ class JointLimits(Profile):
 class LinkRadii(Profile):
     """Capsule radii of the links; elbow, forearm and wrist stay at least that far above a table."""
 
-    shoulder_m: PositiveLength
-    upper_arm_m: PositiveLength
-    elbow_m: PositiveLength
-    forearm_m: PositiveLength
-    wrist_m: PositiveLength
+    shoulder_m: Size
+    upper_arm_m: Size
+    elbow_m: Size
+    forearm_m: Size
+    wrist_m: Size
 
 
 class ReachSettings(Profile):
     """How a grasp is approached and lifted, and what the arm must keep on the way."""
 
-    reference_deg: SixNumbers
+    reference_deg: SixTurns
     """Joint angles of the arm's usual stance: of several ways to reach a grasp the nearest to it is taken."""
     steps: Annotated[int, Field(ge=1, le=1000)]
     """Waypoints from the pre-grasp pose to the grasp, and again from there to the end of the lift."""
-    max_step_deg: Annotated[float, Field(gt=0, le=180)]
+    max_step_deg: Annotated[float, Field(ge=0.1, le=180)]
     """The most that a joint may turn from one waypoint to the next."""
     min_manipulability_share: Annotated[float, Field(ge=0, lt=1)]
     """Least manipulability, as a share of the arm's largest."""
@@ -75,7 +79,7 @@ class ReachSettings(Profile):
 class CameraPose(Profile):
     """Pose of a camera's optical frame in the robot's `base_frame`."""
 
-    position_m: tuple[float, float, float]
+    position_m: tuple[FarPlace, FarPlace, FarPlace]
     orientation_xyzw: tuple[float, float, float, float]
 
     @model_validator(mode="after")
@@ -101,8 +105,8 @@ class Robot(Profile):
     joints: JointLimits
     links: LinkRadii
     reach: ReachSettings
-    reach_m: PositiveLength
-    payload_kg: Annotated[float, Field(gt=0)]
+    reach_m: Size
+    payload_kg: Annotated[float, Field(ge=1e-3, le=1e4)]
     camera_pose: CameraPose | None = None
 
     @model_validator(mode="after")

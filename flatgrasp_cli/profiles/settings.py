@@ -7,12 +7,14 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
-from flatgrasp_cli.profiles.base import Length, PositiveLength, Profile, Step
+from flatgrasp_cli.profiles.base import FarPlace, Length, Profile, Size, Step
 from flatgrasp_cli.profiles.gripper import Gripper
 
-Angle = Annotated[float, Field(gt=0, le=180)]
+Angle = Annotated[float, Field(ge=0.01, le=180)]
 Weight = Annotated[float, Field(ge=0, le=100)]
-Share = Annotated[float, Field(gt=0, lt=1)]
+Share = Annotated[float, Field(ge=1e-4, lt=1)]
+Friction = Annotated[float, Field(ge=0.01, le=5)]
+Component = Annotated[float, Field(ge=-1e6, le=1e6)]
 
 
 class SceneSettings(Profile):
@@ -20,11 +22,11 @@ class SceneSettings(Profile):
 
     mode: Literal["auto", "object", "table"]
     """Whether the cloud shows one object alone or objects on a support plane; auto: as the cloud says."""
-    crop: tuple[float, float, float, float, float, float] | None
+    crop: tuple[FarPlace, FarPlace, FarPlace, FarPlace, FarPlace, FarPlace] | None
     """Region of interest: x_min, x_max, y_min, y_max, z_min, z_max in metres; what lies outside does not exist."""
-    select: Literal["all", "nearest", "largest"] | tuple[float, float]
+    select: Literal["all", "nearest", "largest"] | tuple[FarPlace, FarPlace]
     """Which objects are planned: all, the one nearest to the sensor, the largest, or the one nearest to (x, y)."""
-    up: tuple[float, float, float] | None
+    up: tuple[Component, Component, Component] | None
     """Normal of the support plane, roughly, in the cloud's frame; None: the biggest plane facing the sensor."""
     max_tilt_deg: Angle
     """How far the support plane's normal may lie from `up`."""
@@ -32,15 +34,15 @@ class SceneSettings(Profile):
     """Without `up`: how far it may lie from the direction to the sensor."""
     min_plane_share: Share
     """Share of the points that a support plane has at least."""
-    min_height_m: PositiveLength
+    min_height_m: Size
     """Least height of an object."""
     noise_factor: Annotated[float, Field(ge=1, le=20)]
     """An object stands this many standard deviations of the support plane's raster above it."""
     gap_m: Length
     """Parts of an object may be this far apart; objects closer than this count as one."""
-    min_size_m: PositiveLength
+    min_size_m: Size
     """Objects whose footprint is smaller than a square of this side are taken for outliers."""
-    max_size_m: PositiveLength
+    max_size_m: Size
     """What is longer is no object but furniture, and only an obstacle."""
 
     @field_validator("crop")
@@ -53,7 +55,7 @@ class SceneSettings(Profile):
     @field_validator("up")
     @classmethod
     def _direction(cls, up: tuple[float, float, float] | None) -> tuple[float, float, float] | None:
-        if up is not None and not math.hypot(*up) > 0:
+        if up is not None and math.hypot(*up) < 1e-6:
             raise ValueError("must not be zero")
         return up
 
@@ -68,9 +70,9 @@ class MainPlaneSettings(Profile):
 class SilhouetteSettings(Profile):
     """§III.A.2: the concave hull."""
 
-    alpha_m: PositiveLength | None
+    alpha_m: Step | None
     """Radius α of the hull's empty discs; None: from the points' spacing."""
-    min_coverage: Annotated[float, Field(gt=0, le=1)]
+    min_coverage: Annotated[float, Field(ge=0.01, le=1)]
     """α grows until the largest piece holds this share of the points."""
     tolerance_m: Length
     """How far the outline may be simplified (Douglas–Peucker)."""
@@ -85,12 +87,13 @@ class FingerSettings(Profile):
 
     step: Literal["chord", "arc_length"]
     """Step points lie `step_m` apart in a straight line (eq. 1), or along the boundary."""
-    step_m: PositiveLength | None
-    """The paper's r; None: a 200th of the perimeter, 2 to 6 mm."""
+    step_m: Annotated[float, Field(ge=5e-4, le=10)] | None
+    """The paper's r; None: a 200th of the perimeter, 2 to 6 mm. Pairs, and memory, grow with its inverse square: half a
+    millimetre, finer than any depth camera, is the least."""
     chord_share_max: Share | None
     """Longest chord, as a share of the outline's longer side: on less than that a single finger's pad may bear. None:
     chords are as long as the jaw is wide, however small the object."""
-    arc_ratio_max: Annotated[float, Field(gt=1)] | None
+    arc_ratio_max: Annotated[float, Field(gt=1, le=1e6)] | None
     """Longest boundary under a chord, in chords: beyond it the boundary folds around a thin part. None: any."""
     walk: Literal["cyclic", "open"]
     """Whether the boundary goes on past its last point (the paper's Ω does not)."""
@@ -106,7 +109,7 @@ class FingerSettings(Profile):
 class BalanceSettings(Profile):
     """§III.B.1 and B.2: force and torque balance."""
 
-    friction: Annotated[float, Field(gt=0, le=5)] | None
+    friction: Friction | None
     """μ that sets the thresholds; None: the gripper's pad_friction."""
     facing: bool
     """Drop pairs that would push apart, which the paper forgets."""
@@ -116,7 +119,7 @@ class BalanceSettings(Profile):
     """Largest γ; None: 2·k·atan(μ)."""
     torque: Literal["friction", "arm", "normalised"]
     """Threshold on required friction (μ), on the torque arm T_s (m), or on T/d."""
-    torque_max: Annotated[float, Field(gt=0)] | None
+    torque_max: Annotated[float, Field(ge=1e-6, le=1e6)] | None
     """Limit in the unit of `torque`; None: μ, or for the other two what the friction cone leaves."""
 
     def friction_with(self, gripper: Gripper) -> float:
@@ -133,9 +136,9 @@ class HandSettings(Profile):
     """The object's width: its extent under the pads, or the distance of the contacts."""
     clearance_m: Length
     """Least free space between each pad and the object before closing."""
-    preshape_m: PositiveLength
+    preshape_m: Size
     """Free space aimed at between each pad and the object, where there is room."""
-    variance_max: Annotated[float, Field(gt=0)] | None
+    variance_max: Annotated[float, Field(ge=1e-6, le=1e3)] | None
     """Largest variance, in metres; None: variance_max_share of the candidate's width."""
     variance_max_share: Share
     operability: Literal["swept", "eq2"]
@@ -157,15 +160,15 @@ class DepthSettings(Profile):
     """Free space between the palm and whatever is highest below it."""
     obstacle_clearance_m: Length
     """Free space between fingertips and what lies below them."""
-    min_grip_m: PositiveLength
+    min_grip_m: Size
     """Least height of the pads on the object; half of the object's height where that is less."""
-    good_grip_m: PositiveLength
+    good_grip_m: Size
     """Height of the pads on the object beyond which more is no better."""
     slice_step_m: Step
     """Outlines are taken at levels this far apart."""
     wall_drop: Annotated[float, Field(ge=0, le=20)]
     """Least steepness of the object below the fingertips: a flatter flank would push the fingers off."""
-    standing_ratio: Annotated[float, Field(gt=0)]
+    standing_ratio: Annotated[float, Field(ge=0.01, le=1e3)]
     """An object this many times as high as its footprint is long may be grasped from the side, if not from above."""
     unseen: Literal["rank", "refuse", "ignore"]
     """Finger places that no ray reached, in the object's shadow: rank lower, refuse, or take for free."""
@@ -210,7 +213,7 @@ class CagingSettings(Profile):
 
     certify: bool
     """Whether the best grasps get certificates."""
-    mass_kg: Annotated[float, Field(gt=0)] | None
+    mass_kg: Annotated[float, Field(ge=1e-4, le=1e4)] | None
     """The object's mass, for the margins of lifting it."""
     prefer: Literal["cost", "cage"]
     """cage: grasps with a cage first, of those the one that forgives the largest miss."""
@@ -237,7 +240,7 @@ class PlannerSettings(Profile):
     name: str
     method: Literal["lei_wisse", "allen"]
     """Whose grasps: the paper's, or those of two point fingers (Allen, Burdick & Rimon 2012, its reference [1])."""
-    seed: Annotated[int, Field(ge=0)]
+    seed: Annotated[int, Field(ge=0, lt=2**32)]
     scene: SceneSettings
     main_plane: MainPlaneSettings
     silhouette: SilhouetteSettings

@@ -6,8 +6,9 @@ where the distance of two fingers on its outline is least; such a grasp cages it
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -46,7 +47,8 @@ def immobilising_grasps(loops: Sequence[FloatArray], settings: CagingSettings) -
     if outline is None:
         return ()
     caging = caging_of(outline.boundary, settings)
-    found = [_immobilisation(caging, int(basin)) for basin in _grasps(caging, settings.told_apart_m)]
+    grasps = _grasps(caging, settings.told_apart_m)
+    found = map(partial(_immobilisation, caging), grasps.tolist(), _at_bottom(caging, grasps))
     return tuple(sorted(found, key=lambda each: (-each.depth_m, each.width_m)))
 
 
@@ -59,22 +61,29 @@ def _grasps(caging: Caging, told_apart: float) -> IntArray:
     return np.flatnonzero(own & apart & (levels.merge - lowest > max(told_apart, same)))
 
 
-def _immobilisation(caging: Caging, basin: int) -> Immobilisation:
+def _at_bottom(caging: Caging, grasps: IntArray) -> Iterator[FloatArray]:
+    """All placements (m, 2, 2) at the bottom of each of the basins `grasps` (k,), which ascend."""
+    minima = caging.minima
+    basin = caging.basins.of_node[minima.vertex, minima.edge]
+    order = np.argsort(basin, kind="stable")  # once for all: there may be a hundred thousand of them
+    points = minima.points(caging.boundary)[order]
+    first, last = (np.searchsorted(basin[order], grasps, side=side).tolist() for side in ("left", "right"))
+    return (points[a:b] for a, b in zip(first, last, strict=True))
+
+
+def _immobilisation(caging: Caging, basin: int, points: FloatArray) -> Immobilisation:
     sign = -1.0 if caging.stretching else 1.0
     escape, merge = (float(each[basin]) for each in (caging.levels.escape, caging.levels.merge))
     return Immobilisation(
-        contacts=_middle(caging, basin),
+        contacts=_middle(points),
         width_m=sign * float(caging.basins.lowest[basin]),
         escape_m=sign * escape if np.isfinite(escape) else None,
         basin_m=sign * merge if np.isfinite(merge) else None,
     )
 
 
-def _middle(caging: Caging, basin: int) -> FloatArray:
-    """The contacts (2, 2) at the bottom of a basin, halfway between the ends of where they can slide."""
-    minima = caging.minima
-    at_bottom = caging.basins.of_node[minima.vertex, minima.edge] == basin
-    points = minima.points(caging.boundary)[at_bottom]
+def _middle(points: FloatArray) -> FloatArray:
+    """The contacts (2, 2) halfway between the ends of where they can slide, of placements (m, 2, 2) there."""
     swapped = points[:, ::-1]  # the fingers are alike
     apart, apart_swapped = (np.abs(each - points[0]).sum(axis=(1, 2)) for each in (points, swapped))
     points = np.where((apart <= apart_swapped)[:, None, None], points, swapped)

@@ -16,7 +16,8 @@ from flatgrasp_cli.profiles.settings import CagingSettings
 COARSER = 1.5
 MITRE = 2.0
 """Longest corner of an offset, in offsets: an arc's vertices for nothing but a rounder corner are not worth it."""
-FINEST_M = 1e-5
+FINEST_SHARE = 1e-5
+"""Of the outline's length: the first step where no tolerance is set, whatever unit the outline has."""
 CONVEX_SHARE = 1e-9
 
 
@@ -63,9 +64,10 @@ def _simplified(region: Any, settings: CagingSettings) -> tuple[Any, float]:
 
     tolerance = settings.tolerance_m
     plain = shapely.simplify(region, tolerance)
+    finest = FINEST_SHARE * region.length
     most = max(settings.max_vertices, 8 * (1 + len(plain.interiors))) + 1 + len(plain.interiors)  # rings close
     while shapely.get_num_coordinates(plain) > most:
-        tolerance = max(COARSER * tolerance, FINEST_M)
+        tolerance = max(COARSER * tolerance, finest)
         plain = shapely.simplify(region, tolerance)
     return plain, max(map(_stray, (region.exterior, *region.interiors), (plain.exterior, *plain.interiors)))
 

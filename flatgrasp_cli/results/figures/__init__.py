@@ -3,6 +3,6 @@
 from flatgrasp_cli.results.figures.arm import arm_figure
 from flatgrasp_cli.results.figures.final import final_figure
 from flatgrasp_cli.results.figures.stages import stage_figures
-from flatgrasp_cli.results.figures.style import save_figure
+from flatgrasp_cli.results.figures.style import as_png
 
-__all__ = ["arm_figure", "final_figure", "save_figure", "stage_figures"]
+__all__ = ["arm_figure", "as_png", "final_figure", "stage_figures"]

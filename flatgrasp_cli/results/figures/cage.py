@@ -16,6 +16,8 @@ from flatgrasp_cli.geometry.polygon import arc_positions, points_at
 from flatgrasp_cli.planner.caging import Immobilisation
 from flatgrasp_cli.results.figures.style import BLACK, BLUE, GREEN, RED, legend, new_figure
 
+DRAWN = 50
+"""Grasps that are drawn: more would hide the outline."""
 SAMPLES = 240
 LEVELS = 12
 
@@ -32,7 +34,7 @@ def cage_figure(loops: Sequence[FloatArray], found: Sequence[Immobilisation], ti
     for loop in loops:
         closed = np.vstack([loop, loop[:1]])
         outline.plot(closed[:, 0], closed[:, 1], color=BLACK, lw=1.2)
-    for k, one in enumerate(found):
+    for k, one in enumerate(found[:DRAWN]):
         outline.plot(*one.contacts.T, "o-", color=RED if k == 0 else BLUE, lw=1.5 if k == 0 else 0.7, ms=4)
         outline.annotate(str(k + 1), tuple(one.contacts[0]), fontsize=9, xytext=(3, 3), textcoords="offset points")
     positions = np.linspace(0, float(arc_positions(loops[0])[-1]), SAMPLES, endpoint=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -42,8 +43,8 @@ PAIR_STAGES = {
 }
 
 
-def stage_figures(plan: Plan) -> Iterator[tuple[str, Figure]]:
-    """Names and figures of the stages that the first object reached, in the method's order."""
+def stage_figures(plan: Plan) -> Iterator[tuple[str, Callable[[], Figure | None]]]:
+    """Name of each stage in the method's order, and what draws it: None where the first object did not get so far."""
     if not plan.objects:
         return
     item = plan.objects[0]
@@ -61,9 +62,7 @@ def stage_figures(plan: Plan) -> Iterator[tuple[str, Figure]]:
         ("final_grasp", final_on_cloud),
     ]
     for number, (name, draw) in enumerate(drawings, start=1):
-        figure = draw(plan, item)
-        if figure is not None:
-            yield f"{number:02d}_{name}", figure
+        yield f"{number:02d}_{name}", partial(draw, plan, item)
 
 
 def _projection(_: Plan, item: ObjectPlan) -> Figure | None:

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Any, BinaryIO, TypeVar
+import io
+import warnings
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from flatgrasp_cli.errors import FigureError
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Silhouette
@@ -33,9 +37,25 @@ def new_figure(width: float = 8.0, height: float = 6.0) -> Figure:
     return figure
 
 
-def save_figure(figure: Figure, target: Path | BinaryIO) -> None:
-    """Write the figure as PNG."""
-    figure.savefig(target, format="png", dpi=120)
+def as_png(draw: Callable[[], Figure | None]) -> bytes | None:
+    """What `draw` draws, as PNG; None if it has nothing to draw.
+
+    Raises
+    ------
+    FigureError
+        If that fails: a cloud may have a shape that no axes hold.
+    """
+    content = io.BytesIO()
+    try:
+        with rc_context({"text.parse_math": False}), warnings.catch_warnings():
+            warnings.filterwarnings("ignore", "Glyph .* missing from", UserWarning)  # names in any script
+            figure = draw()
+            if figure is None:
+                return None
+            figure.savefig(content, format="png", dpi=120)
+    except Exception as error:
+        raise FigureError(f"the picture cannot be drawn: {type(error).__name__}: {error}") from error
+    return content.getvalue()
 
 
 def plane_axes(figure: Figure, title: str, position: Any = 111) -> Axes:

@@ -1,0 +1,82 @@
+"""Ctrl-C ends the process with 130 and one line, whenever it comes.
+
+Python raises KeyboardInterrupt wherever it happens to be. In the middle of an import a C extension may turn that into
+an ImportError, and in a callback of the interpreter's own it is printed and forgotten. So the handler here waits for
+the end of an import, asks again for what was lost, and raises only once: a second Ctrl-C ends the process on the spot.
+Nothing is lost by that, for files are written beside their place and renamed.
+
+This module is loaded before anything that takes time, and loads next to nothing itself.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from types import FrameType
+
+INTERRUPTED = 130
+AGAIN_S = 0.02
+IMPORTING = "<frozen importlib._bootstrap>"
+STDERR = 2
+
+
+class Interrupts:
+    """What becomes of SIGINT in the main thread; `asked` says whether one came."""
+
+    def __init__(self) -> None:
+        self.asked = False
+
+    def install(self) -> None:
+        """Take SIGINT over, unless whoever started the process has it ignored."""
+        if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+            signal.signal(signal.SIGALRM, self._raise)
+            signal.signal(signal.SIGINT, self._interrupt)
+            sys.unraisablehook = self._unraisable
+
+    def ignore(self) -> None:
+        """All is said and done: what is left is Python's own end, which takes no KeyboardInterrupt."""
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        signal.signal(signal.SIGALRM, signal.SIG_IGN)
+
+    def _interrupt(self, number: int, frame: FrameType | None) -> None:
+        if self.asked:
+            say_interrupted()
+            os._exit(INTERRUPTED)
+        self.asked = True
+        self._raise(number, frame)
+
+    def _raise(self, _number: int, frame: FrameType | None) -> None:
+        if _imports(frame):
+            self._again()
+        else:
+            raise KeyboardInterrupt
+
+    def _unraisable(self, lost: sys.UnraisableHookArgs) -> None:
+        if issubclass(lost.exc_type, KeyboardInterrupt):
+            self._again()
+        else:
+            sys.__unraisablehook__(lost)
+
+    @staticmethod
+    def _again() -> None:
+        signal.setitimer(signal.ITIMER_REAL, AGAIN_S)
+
+
+def _imports(frame: FrameType | None) -> bool:
+    while frame is not None:
+        if frame.f_code.co_filename == IMPORTING:
+            return True
+        frame = frame.f_back
+    return False
+
+
+def say_interrupted() -> None:
+    """One line on stderr, whatever state Python's own streams are in."""
+    try:
+        os.write(STDERR, b"flatgrasp: interrupted\n")
+    except OSError:  # nobody listens
+        return
