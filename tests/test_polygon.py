@@ -116,6 +116,14 @@ def test_cages_do_not_depend_on_the_unit(scale: float, tmp_path: Path, defaults:
     assert found.width_m / scale == pytest.approx(1.0, abs=1e-9)  # from the tip of the notch to the base
 
 
+def test_edges_that_are_parallel_but_for_a_subnormal(defaults: PlannerSettings) -> None:
+    loop = np.array(NOTCHED, dtype=np.float64)
+    loop[1, 1] = 1e-310
+    exact = defaults.caging.model_copy(update={"tolerance_m": 0.0, "told_apart_m": 0.0})
+    (found,) = immobilising_grasps((loop,), exact)
+    assert found.width_m == pytest.approx(1.0)
+
+
 def test_thousands_of_grasps_take_seconds(defaults: PlannerSettings) -> None:
     exact = defaults.caging.model_copy(update={"tolerance_m": 0.0, "told_apart_m": 0.0, "max_vertices": 1000})
     began = time.monotonic()

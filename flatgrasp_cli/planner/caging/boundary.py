@@ -13,6 +13,8 @@ from flatgrasp_cli.geometry.polygon import cross, dot
 
 TANGENT = 1e-9
 """Sine below which a direction counts as along an edge."""
+PARALLEL = 1e-200
+"""Lines that slant by less never meet, in a number that a double holds."""
 MAX_CELLS = 20_000
 """Moves × edges worked on at once: as much as stays in a processor's cache."""
 
@@ -98,7 +100,7 @@ class Boundary:
         left = ux * ay - uy * ax > ux * oy - uy * ox
         crosses = left != left[:, self.follow]
         slant = ux * ey - uy * ex
-        return ((ax - ox) * ey - (ay - oy) * ex) / np.where(slant == 0, 1.0, slant), crosses
+        return ((ax - ox) * ey - (ay - oy) * ex) / np.where(np.abs(slant) < PARALLEL, 1.0, slant), crosses
 
     def grips(self, points: FloatArray, outward: bool = False) -> tuple[IntArray, FloatArray, FloatArray]:
         """Edges that two fingers first meet when they move straight toward each other, or `outward` apart.
