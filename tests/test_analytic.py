@@ -140,7 +140,7 @@ def test_the_palm_meets_what_stands_higher_than_the_fingers_are_long(pr2: Grippe
 @pytest.mark.parametrize(
     ("points", "reason"),
     [
-        (np.empty((0, 3)), "no finite point"),
+        (np.empty((0, 3)), "no point of the cloud was measured"),
         (np.ones((1, 3)), "1 distinct point,"),
         (np.ones((500, 3)), "1 distinct point,"),
         (np.linspace(0, 1, 50)[:, None] * [[1.0, 2.0, 3.0]], "lie on a line"),
