@@ -31,8 +31,8 @@ class Interrupts:
         self.asked = False
 
     def install(self) -> None:
-        """Take SIGINT over, unless whoever started the process has it ignored."""
-        if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        """Take SIGINT over, unless whoever started the process has it ignored, or the system has no timers."""
+        if signal.getsignal(signal.SIGINT) is signal.default_int_handler and hasattr(signal, "setitimer"):
             signal.signal(signal.SIGALRM, self._raise)
             signal.signal(signal.SIGINT, self._interrupt)
             sys.unraisablehook = self._unraisable
@@ -40,7 +40,8 @@ class Interrupts:
     def ignore(self) -> None:
         """All is said and done: what is left is Python's own end, which takes no KeyboardInterrupt."""
         signal.signal(signal.SIGINT, signal.SIG_IGN)
-        signal.signal(signal.SIGALRM, signal.SIG_IGN)
+        if hasattr(signal, "SIGALRM"):
+            signal.signal(signal.SIGALRM, signal.SIG_IGN)
 
     def _interrupt(self, number: int, frame: FrameType | None) -> None:
         if self.asked:

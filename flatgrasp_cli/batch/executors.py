@@ -78,6 +78,9 @@ class _Worker(SpawnProcess):
     """Never gets a Ctrl-C, from its first moment on: that is for the coordinator."""
 
     def start(self) -> None:
+        if not hasattr(signal, "pthread_sigmask"):  # Windows sends it to the console's processes by other ways
+            super().start()
+            return
         before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # which the new process inherits
         try:
             super().start()

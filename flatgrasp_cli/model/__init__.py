@@ -6,6 +6,7 @@ Lengths are metres, angles in names ending `_deg` degrees. "Plane" coordinates (
 from flatgrasp_cli.model.candidates import FingerCandidates, GraspCandidates
 from flatgrasp_cli.model.clouds import (
     SENSOR_FROM_TF,
+    UP_UNTOLD,
     Cloud,
     CloudWarning,
     Floor,
@@ -23,6 +24,7 @@ from flatgrasp_cli.model.plans import ObjectPlan, Rejection, Stage, Trace
 
 __all__ = [
     "SENSOR_FROM_TF",
+    "UP_UNTOLD",
     "Cage",
     "Closure",
     "Cloud",

@@ -16,6 +16,8 @@ LARGEST_COORDINATE_M = 1e4
 
 SENSOR_FROM_TF = "sensor_from_tf"
 """Code of the warning that holds only while the sensor is where the transforms have it."""
+UP_UNTOLD = "mesh_up_assumed"
+"""Code of the warning that holds only while nobody says which way is up."""
 
 KnownFrom = Literal[
     "option",

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.model import SENSOR_FROM_TF, Cloud, CloudWarning, Sensor
+from flatgrasp_cli.model import SENSOR_FROM_TF, UP_UNTOLD, Cloud, CloudWarning, Sensor
 from flatgrasp_cli.sensor.frame_names import has_z_up
 from flatgrasp_cli.sensor.projection import center_of_projection
 from flatgrasp_cli.sensor.surface import Surface, Verdict
@@ -43,7 +43,8 @@ def located(cloud: Cloud, up: tuple[float, float, float] | None, seed: int) -> C
         sensor = Sensor("assumed", np.zeros(3)) if cloud.viewpoint is None else Sensor("viewpoint", cloud.viewpoint)
     elif sensor is None:
         sensor, warnings = _found(cloud, upward, Surface.of(cloud.points, rng))
-    kept = [item for item in cloud.warnings if item.code != SENSOR_FROM_TF or sensor.known_from == "transforms"]
+    settled = {SENSOR_FROM_TF: sensor.known_from != "transforms", UP_UNTOLD: up is not None}
+    kept = [item for item in cloud.warnings if not settled.get(item.code, False)]
     return _without_sensor_itself(replace(cloud, sensor=sensor, warnings=tuple(kept)).warned(*warnings))
 
 

@@ -18,7 +18,7 @@ from urllib.parse import unquote
 import numpy as np
 
 from flatgrasp_cli.errors import SourceError
-from flatgrasp_cli.model import Cloud
+from flatgrasp_cli.model import UP_UNTOLD, Cloud, CloudWarning
 from flatgrasp_cli.open3d_door import load_open3d
 from flatgrasp_cli.sources.meshes.mesh import polygon_cloud
 from flatgrasp_cli.sources.text_lines import shown
@@ -35,6 +35,10 @@ MALFORMED = (LookupError, TypeError, ValueError, OverflowError, AttributeError, 
 MOST_TRIANGLES = 5_000_000
 """One mesh may be shown a million times."""
 Json = dict[str, Any]
+UP_ASSUMED = CloudWarning(
+    UP_UNTOLD,
+    "glTF says that its own +y is up, which many files do not keep to; the hand comes from +z: --up 0,1,0 states it",
+)
 
 
 def is_gltf(head: bytes) -> bool:
@@ -68,7 +72,8 @@ def read_gltf(file: BinaryIO, name: str, scale: float = 1.0, folder: Path | None
             f"{name}: the glTF file declares {expected} triangles, Open3D could read {found} of them; it is damaged"
         )
     corners = mesh.triangle.indices.numpy().astype(np.int64).reshape(-1)
-    return polygon_cloud(mesh.vertex.positions.numpy(), corners, np.full(found, 3), name, scale)
+    cloud = polygon_cloud(mesh.vertex.positions.numpy(), corners, np.full(found, 3), name, scale)
+    return cloud.warned(UP_ASSUMED)
 
 
 def _by_open3d(clean: bytes, name: str) -> Any:
