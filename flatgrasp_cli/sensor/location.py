@@ -123,9 +123,8 @@ def _looking_down(
         upward, above = surface.standing[0], "seen"
     if at_origin == "impossible" and (above == "seen" or (above == "flat" and cloud.viewpoint is None)):
         place = "the stated viewpoint" if cloud.viewpoint is not None else "a camera at the origin"
-        text = (
-            f"the cloud was hardly seen from {place}, by its shape and place; the hand comes from above, where +z is up"
-        )
+        side = "+z" if surface.standing is None else "the side on which things stand on a plane"
+        text = f"by its shape and place the cloud was hardly seen from {place}; the hand comes from {side}"
         return Sensor("visibility", direction=upward), (CloudWarning("sensor_found", f"{text}: {REMEDY}"),)
     if known_up is not None:
         text = "nothing says where the sensor was; the hand comes from above, as the frame's name or --up says"
