@@ -13,7 +13,7 @@ from flatgrasp_cli.model import Cloud, CloudWarning, Grasp, ObjectPlan, Reach, R
 from flatgrasp_cli.planner import plan_object
 from flatgrasp_cli.profiles import CameraPose, Gripper, PlannerSettings, Robot, load_settings
 from flatgrasp_cli.robot import Motion, Plane, reach
-from flatgrasp_cli.scene import segment, without_far_strays
+from flatgrasp_cli.scene import segment, without_far_strays, without_repeats
 from flatgrasp_cli.sensor import located
 
 REACH_CANDIDATES = 500
@@ -83,7 +83,7 @@ def plan(
     """
     resolved = (settings or load_settings()).resolve(gripper)
     began = time.perf_counter()
-    cloud = located(without_far_strays(cloud), resolved.scene.up, resolved.seed)
+    cloud = located(without_far_strays(without_repeats(cloud)), resolved.scene.up, resolved.seed)
     scene = segment(cloud, resolved.scene, resolved.seed)
     segmented = time.perf_counter()
     plans = [plan_object(item, gripper, resolved, REACH_CANDIDATES if robot else top) for item in scene.objects]
