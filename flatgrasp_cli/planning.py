@@ -12,7 +12,7 @@ from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion
 from flatgrasp_cli.model import Cloud, CloudWarning, Grasp, ObjectPlan, Reach, Rejection, Scene, Stage
 from flatgrasp_cli.planner import plan_object
 from flatgrasp_cli.profiles import CameraPose, Gripper, PlannerSettings, Robot, load_settings
-from flatgrasp_cli.robot import Motion, Plane, reach
+from flatgrasp_cli.robot import Motion, Plane, carried_out, flange_at, reach
 from flatgrasp_cli.scene import segment, without_far_strays
 from flatgrasp_cli.sensor import located
 
@@ -89,6 +89,7 @@ def plan(
     plans = [plan_object(item, gripper, resolved, REACH_CANDIDATES if robot else top) for item in scene.objects]
     if robot is not None:
         plans = [_reached(item, gripper, robot, resolved, top) for item in plans]
+    plans = [_with_ways(item, gripper, resolved) for item in plans]
     objects = tuple(sorted(plans, key=_best_first))
     scene_ms, plan_ms = 1e3 * (segmented - began), 1e3 * (time.perf_counter() - segmented)
     return Plan(cloud, gripper, robot, resolved, scene, objects, scene_ms, plan_ms)
@@ -111,14 +112,12 @@ def _reached(item: ObjectPlan, gripper: Gripper, robot: Robot, settings: Planner
     """The same with only the grasps that the robot can carry out, and the best of those that it cannot."""
     if not item.grasps:
         return item
-    axes = np.array([axes_from_quaternion(grasp.orientation) for grasp in item.grasps])
-    tool_m = [gripper.palm_offset_m + gripper.finger_length_at_m(grasp.width_m) for grasp in item.grasps]
+    flanges = [flange_at(grasp, gripper) for grasp in item.grasps]
+    positions = np.array([flange.position for flange in flanges])
+    axes = np.array([axes_from_quaternion(flange.orientation) for flange in flanges])
     support = item.object.support
-    lift = -axes[0, 2] if support is None else support.normal
-    motion = Motion(settings.depth.approach_m, settings.depth.lift_m, lift, gripper.symmetric)
     table = None if support is None else Plane(support.normal, support.offset_m)
-    positions = np.array([grasp.position for grasp in item.grasps])
-    answers = reach(robot, positions, axes, np.array(tool_m), motion, table)
+    answers = reach(robot, positions, axes, _motion(item, item.grasps[0], gripper, settings), table)
     asked = [replace(grasp, reach=answer) for grasp, answer in zip(item.grasps, answers, strict=True)]
     kept = [grasp for grasp, answer in zip(asked, answers, strict=True) if answer.ok]
     refused = [grasp for grasp, answer in zip(asked, answers, strict=True) if not answer.ok]
@@ -129,6 +128,22 @@ def _reached(item: ObjectPlan, gripper: Gripper, robot: Robot, settings: Planner
         funnel=(*item.funnel, Stage("reach", len(kept))),
         rejection=None if kept else Rejection("reach", _why_not(robot, answers)),
     )
+
+
+def _with_ways(item: ObjectPlan, gripper: Gripper, settings: PlannerSettings) -> ObjectPlan:
+    """The same, each of its grasps with the way in which it is carried out."""
+    grasps, refused = (
+        tuple(carried_out(grasp, gripper, _motion(item, grasp, gripper, settings)) for grasp in some)
+        for some in (item.grasps, item.refused)
+    )
+    return replace(item, grasps=grasps, refused=refused)
+
+
+def _motion(item: ObjectPlan, grasp: Grasp, gripper: Gripper, settings: PlannerSettings) -> Motion:
+    """How the hand comes to an object's grasp, and goes: up from the support plane, or back from an object alone."""
+    support = item.object.support
+    lift = -axes_from_quaternion(grasp.orientation)[2] if support is None else support.normal
+    return Motion(settings.depth.approach_m, settings.depth.lift_m, lift, gripper.symmetric)
 
 
 def _why_not(robot: Robot, answers: tuple[Reach, ...]) -> str:

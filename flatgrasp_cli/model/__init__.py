@@ -21,6 +21,7 @@ from flatgrasp_cli.model.clouds import (
 from flatgrasp_cli.model.grasps import Cage, Closure, Grasp, Reach, Tolerance
 from flatgrasp_cli.model.outlines import OrientedBox, Silhouette, StepPoints
 from flatgrasp_cli.model.plans import ObjectPlan, Rejection, Stage, Trace
+from flatgrasp_cli.model.poses import Pose, Poses, Way
 
 __all__ = [
     "SENSOR_FROM_TF",
@@ -38,6 +39,8 @@ __all__ = [
     "ObjectCloud",
     "ObjectPlan",
     "OrientedBox",
+    "Pose",
+    "Poses",
     "Reach",
     "Rejection",
     "Scene",
@@ -49,4 +52,5 @@ __all__ = [
     "SupportPlane",
     "Tolerance",
     "Trace",
+    "Way",
 ]

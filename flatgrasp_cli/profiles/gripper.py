@@ -6,7 +6,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from flatgrasp_cli.profiles.base import Length, Place, Profile, Size
+from flatgrasp_cli.profiles.base import Length, Place, Profile, Size, Turn
 
 Offsets = Annotated[tuple[Place, ...], Field(min_length=1, max_length=10)]
 LEAST_STROKE_M = 1e-3
@@ -33,6 +33,10 @@ class Gripper(Profile):
     """How far the fingertips move away from the palm from fully open to closed (arc linkages)."""
     palm_offset_m: Length = 0.0
     """From the robot's flange to the palm, any adapter included."""
+    adapter_m: Length = 0.0
+    """The part of `palm_offset_m` that is the adapter: from the flange to the frame that the hand is mounted by."""
+    mounted_deg: Turn = 0.0
+    """How far the hand is turned about z against the flange: 90 or −90 where the fingers close along the flange's x."""
     hand_width_m: Size
     """w_h: the palm's size across the closing axis."""
     palm_m: Size
@@ -54,6 +58,12 @@ class Gripper(Profile):
             )
         return self
 
+    @model_validator(mode="after")
+    def _adapter_ends_before_the_palm(self) -> Self:
+        if self.adapter_m > self.palm_offset_m:
+            raise ValueError(f"adapter_m is a part of palm_offset_m {self.palm_offset_m}, not {self.adapter_m}")
+        return self
+
     def jaw_width_m(self, jaw: int) -> float:
         """Width of a jaw from the outer edge of its first finger to that of its last."""
         return self.finger_width_m + max(self.jaws[jaw]) - min(self.jaws[jaw])
@@ -61,6 +71,10 @@ class Gripper(Profile):
     def finger_length_at_m(self, opening_m: float) -> float:
         """From the palm to the fingertips' ends at an opening: arc linkages push them out as they close."""
         return self.finger_length_m + self.tip_advance_m * (1 - min(opening_m / self.max_opening_m, 1.0))
+
+    def tool_length_m(self, width_m: float) -> float:
+        """From the flange to the fingertips' ends when they have closed to a width."""
+        return self.palm_offset_m + self.finger_length_at_m(width_m)
 
     @property
     def symmetric(self) -> bool:

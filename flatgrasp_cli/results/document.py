@@ -13,9 +13,18 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.geometry.frames import axes_from_quaternion
-from flatgrasp_cli.model import Grasp, KnownFrom, ObjectPlan, OrientedBox, Reach, Sensor, Silhouette, SupportPlane
+from flatgrasp_cli.model import (
+    Grasp,
+    KnownFrom,
+    ObjectPlan,
+    OrientedBox,
+    Pose,
+    Poses,
+    Reach,
+    Sensor,
+    Silhouette,
+    SupportPlane,
+)
 from flatgrasp_cli.planner.gravity import gravity_center
 from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.profiles import Gripper, PlannerSettings, Robot
@@ -144,6 +153,14 @@ class PosePart(_Part):
     orientation: Vector4
 
 
+class PosesPart(_Part):
+    """A frame of the hand at the grasp, before it, and lifted."""
+
+    pose: PosePart
+    pre_grasp: PosePart
+    lift: PosePart
+
+
 class MetricsPart(_Part):
     """What the method measured of a grasp. `required_friction` is null when no friction would hold it.
 
@@ -251,6 +268,8 @@ class GraspPart(_Part):
     pose: PosePart
     pre_grasp: PosePart
     lift: PosePart
+    flange: PosesPart
+    hand: PosesPart | None
     tip_shift_m: Number
     opening_m: Number
     width_m: Number
@@ -395,8 +414,8 @@ def _object(item: ObjectPlan, plan: Plan) -> ObjectPart:
             step_m=_number(trace.steps[0].step_m) if trace.steps else None, doubted_directions=trace.doubted_directions
         ),
         funnel=[StagePart(stage=stage.stage, kept=stage.kept) for stage in item.funnel],
-        grasps=[_grasp(grasp, item, plan) for grasp in item.grasps],
-        refused=[_grasp(grasp, item, plan) for grasp in item.refused],
+        grasps=[_grasp(grasp, plan) for grasp in item.grasps],
+        refused=[_grasp(grasp, plan) for grasp in item.refused],
     )
 
 
@@ -425,19 +444,15 @@ def _gravity(outline: Silhouette, used: Literal["area", "points"]) -> GravityPar
     )
 
 
-def _grasp(grasp: Grasp, item: ObjectPlan, plan: Plan) -> GraspPart:
-    approach = axes_from_quaternion(grasp.orientation)[2]
-    support, depth, gripper = item.object.support, plan.settings.depth, plan.gripper
-    up = -approach if support is None else support.normal
-
-    def pose(position: FloatArray) -> PosePart:
-        return PosePart(position=_numbers(position), orientation=_numbers(grasp.orientation))
-
+def _grasp(grasp: Grasp, plan: Plan) -> GraspPart:
+    gripper = plan.gripper
     return GraspPart(
         rank=grasp.rank,
-        pose=pose(grasp.position),
-        pre_grasp=pose(grasp.position - depth.approach_m * approach),
-        lift=pose(grasp.position + depth.lift_m * up),
+        pose=_pose(Pose(grasp.position, grasp.orientation)),
+        pre_grasp=_pose(grasp.pre_grasp),
+        lift=_pose(grasp.lift),
+        flange=_poses(grasp.flange),
+        hand=None if grasp.hand is grasp.flange else _poses(grasp.hand),
         tip_shift_m=_number(gripper.finger_length_at_m(grasp.width_m) - gripper.finger_length_at_m(grasp.opening_m)),
         opening_m=_number(grasp.opening_m),
         width_m=_number(grasp.width_m),
@@ -448,6 +463,14 @@ def _grasp(grasp: Grasp, item: ObjectPlan, plan: Plan) -> GraspPart:
         cage=grasp.cage and CagePart(**asdict(grasp.cage)),
         reach=grasp.reach and _reach(grasp.reach),
     )
+
+
+def _poses(poses: Poses) -> PosesPart:
+    return PosesPart(pose=_pose(poses.pose), pre_grasp=_pose(poses.pre_grasp), lift=_pose(poses.lift))
+
+
+def _pose(pose: Pose) -> PosePart:
+    return PosePart(position=_numbers(pose.position), orientation=_numbers(pose.orientation))
 
 
 def _reach(reach: Reach) -> ReachPart:
