@@ -9,13 +9,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion
-from flatgrasp_cli.model import Cloud, CloudWarning, Grasp, ObjectPlan, Reach, Rejection, Scene, Stage
+from flatgrasp_cli.model import Cloud, CloudWarning, Grasp, ObjectPlan, Reach, Rejection, Scene, Stage, SupportPlane
 from flatgrasp_cli.planner import plan_object
 from flatgrasp_cli.profiles import CameraPose, Gripper, PlannerSettings, Robot, load_settings
 from flatgrasp_cli.robot import Motion, Plane, carried_out, flange_at, reach
 from flatgrasp_cli.scene import segment, without_far_strays
 from flatgrasp_cli.sensor import located
 
+MAX_TABLE_TILT_DEG = 30.0
+"""Things slide off a table that is more aslant (friction 0.58), and most are level. A camera pose that is inverted, or not
+of the optical frame, is out by far more as a rule."""
 REACH_CANDIDATES = 500
 """The best grasps of an object that a robot is asked about."""
 
@@ -85,6 +88,8 @@ def plan(
     began = time.perf_counter()
     cloud = located(without_far_strays(cloud), resolved.scene.up, resolved.seed)
     scene = segment(cloud, resolved.scene, resolved.seed)
+    if robot is not None:
+        scene = replace(scene, warnings=(*scene.warnings, *_table_tilted(scene.support)))
     segmented = time.perf_counter()
     plans = [plan_object(item, gripper, resolved, REACH_CANDIDATES if robot else top) for item in scene.objects]
     if robot is not None:
@@ -101,6 +106,17 @@ def in_base_frame(cloud: Cloud, camera: CameraPose, frame_id: str) -> Cloud:
     if cloud.sensor is None and cloud.viewpoint is None:
         cloud = replace(cloud, viewpoint=np.zeros(3))  # the frame with that pose is the camera's
     return cloud.in_frame(frame, frame_id)
+
+
+def _table_tilted(support: SupportPlane | None) -> tuple[CloudWarning, ...]:
+    """The warning that the support plane is no table of a robot that stands upright."""
+    if support is None or support.normal[2] >= math.cos(math.radians(MAX_TABLE_TILT_DEG)):
+        return ()
+    text = (
+        f"the support plane is tilted by more than {MAX_TABLE_TILT_DEG:.0f}° against the robot's base, "
+        "as it is only where the arm is not mounted upright: check --camera-pose, where the camera stands"
+    )
+    return (CloudWarning("table_tilted", text),)
 
 
 def _best_first(item: ObjectPlan) -> tuple[float, int]:

@@ -6,6 +6,7 @@ Lengths are metres, angles in names ending `_deg` degrees. "Plane" coordinates (
 from flatgrasp_cli.model.candidates import FingerCandidates, GraspCandidates
 from flatgrasp_cli.model.clouds import (
     SENSOR_FROM_TF,
+    UNNAMED_FRAME,
     UP_UNTOLD,
     Cloud,
     CloudWarning,
@@ -25,6 +26,7 @@ from flatgrasp_cli.model.poses import Pose, Poses, Way
 
 __all__ = [
     "SENSOR_FROM_TF",
+    "UNNAMED_FRAME",
     "UP_UNTOLD",
     "Cage",
     "Closure",
