@@ -17,8 +17,8 @@ from flatgrasp_cli.scene import segment, without_far_strays
 from flatgrasp_cli.sensor import located
 
 MAX_TABLE_TILT_DEG = 30.0
-"""Things slide off a table that is more aslant (friction 0.58), and most are level. A camera pose that is inverted, or not
-of the optical frame, is out by far more as a rule."""
+"""Things slide off a table that is more aslant (friction 0.58). A camera pose that is inverted, or not of the optical
+frame, is out by far more as a rule."""
 REACH_CANDIDATES = 500
 """The best grasps of an object that a robot is asked about."""
 
