@@ -19,7 +19,7 @@ from flatgrasp_cli.errors import ProfileError, UsageError
 from flatgrasp_cli.geometry.frames import quaternion_from_axes
 from flatgrasp_cli.mounting import mounting
 from flatgrasp_cli.profiles import profile_path
-from flatgrasp_cli.results.document import json_schema
+from flatgrasp_cli.results.contracts import json_schema
 from tests.conftest import MM, TABLE, Box, Camera, Solid
 
 TABLE_AHEAD = Box((0.45, 0.0, -0.01), (0.9, 0.7, 0.02))

@@ -16,7 +16,8 @@ from flatgrasp_cli.geometry.frames import axes_from_quaternion, quaternion_from_
 from flatgrasp_cli.model import Cloud, Grasp
 from flatgrasp_cli.profiles import Gripper, Robot
 from flatgrasp_cli.profiles.robot import CameraPose
-from flatgrasp_cli.results.document import json_schema, to_json
+from flatgrasp_cli.results.contracts import json_schema
+from flatgrasp_cli.results.document import to_json
 from flatgrasp_cli.results.table import ROWS, grasp_table
 from flatgrasp_cli.robot import forward
 from flatgrasp_cli.robot.reach import LIMITS
