@@ -46,6 +46,23 @@ def test_a_profile_is_frozen() -> None:
         load_gripper("pr2").max_opening_m = 1.0  # type: ignore[misc]
 
 
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("lacquey", "lacquey: thumb and finger pair"),
+        ("pr2", "pr2: two fingers on an arc"),
+        ("wsg_50", "wsg_50: two parallel fingers"),
+    ],
+)
+def test_grippers_describe_themselves(name: str, words: str) -> None:
+    assert load_gripper(name).description == words
+
+
+def test_jaws_of_more_fingers_are_counted() -> None:
+    hand = load_gripper("lacquey").model_copy(update={"jaws": ((-0.02, 0.0, 0.02), (-0.01, 0.01))})
+    assert hand.description == "lacquey: finger pair and 3 fingers"
+
+
 def test_jaw_widths_of_a_thumb_and_a_pair() -> None:
     hand = load_gripper("lacquey")
     assert hand.jaw_width_m(0) == pytest.approx(0.010)
