@@ -252,8 +252,8 @@ DEGENERATE: dict[str, tuple[FloatArray, str]] = {
     "line": (CROWD * [0.1, 0.0, 0.0], "line"),
     "slanted-line": (CROWD * [0.1, 0.07, -0.03] + 0.5, "line"),
     "duplicates": (np.full((500, 3), 0.25), "1 distinct point"),
-    "nan": (np.full((500, 3), np.nan), "no finite point"),
-    "inf": (np.full((500, 3), np.inf), "no finite point"),
+    "nan": (np.full((500, 3), np.nan), "no point of the cloud was measured"),
+    "inf": (np.full((500, 3), np.inf), "no point of the cloud was measured"),
 }
 
 
