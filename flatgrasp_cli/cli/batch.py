@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import click
 
 from flatgrasp_cli.cli.planning_options import planning_options
+from flatgrasp_cli.cli.progress import bar
 from flatgrasp_cli.errors import SourceError, UsageError
 
 if TYPE_CHECKING:
@@ -178,17 +179,12 @@ def _numbers(progress: Progress) -> str:
 
 @contextmanager
 def _bar() -> Iterator[tuple[Callable[[str], None], Callable[[Progress], None]]]:
-    from rich.console import Console
-    from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
-    from rich.progress import Progress as Bar
-
     began = time.monotonic()
-    columns = (BarColumn(), TaskProgressColumn(), TextColumn("{task.description}"), TimeRemainingColumn())
-    with Bar(*columns, console=Console(stderr=True)) as bar:
-        task = bar.add_task("", total=1.0)
+    with bar() as shown:
+        task = shown.add_task("", total=1.0)
 
         def watch(progress: Progress) -> None:
             rate = progress.planned / max(time.monotonic() - began, 1e-9)
-            bar.update(task, completed=progress.share, description=f"{_numbers(progress)}, {rate:.1f} frames/s")
+            shown.update(task, completed=progress.share, description=f"{_numbers(progress)}, {rate:.1f} frames/s")
 
-        yield partial(bar.console.print, markup=False, highlight=False), watch
+        yield partial(shown.console.print, markup=False, highlight=False), watch

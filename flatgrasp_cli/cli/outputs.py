@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from flatgrasp_cli.cli.console import show
 from flatgrasp_cli.errors import FigureError, SourceError, UsageError
 from flatgrasp_cli.whole_files import write_bytes, write_text
 
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 
 NO_GRASP = 1
+NAMED = 3
+"""Files whose names are said; of more, how many, the first and the last."""
 
 
 class Names:
@@ -63,6 +65,7 @@ class Pictures:
 
     def __init__(self, folder: Path | None) -> None:
         self._folder = folder
+        self.written: list[Path] = []
         self.code = 0
 
     def save(self, name: str, draw: Callable[[], Figure | None]) -> None:
@@ -81,6 +84,7 @@ class Pictures:
         if content is not None:
             with writing(path):
                 write_bytes(path, content)
+            self.written.append(path)
 
 
 class Warnings:
@@ -101,8 +105,8 @@ class Warnings:
 class Outputs:
     """Writes each plan as asked: into `folder` (None: no files), and to stdout as JSON or as a table."""
 
-    def __init__(self, folder: Path | None, as_json: bool, plots: str) -> None:
-        self._folder, self._as_json, self._stages = folder, as_json, plots == "stages"
+    def __init__(self, folder: Path | None, as_json: bool, plots: str, *, wide: bool = False) -> None:
+        self._folder, self._as_json, self._stages, self._wide = folder, as_json, plots == "stages", wide
         self._warnings = Warnings()
         self.refused = 0
         self.draws = folder is not None and plots != "none"
@@ -121,6 +125,7 @@ class Outputs:
             path = self._folder / f"{stem}.grasps.json"
             with writing(path):
                 write_text(path, [to_json(document, indent=2), "\n"])
+            self.pictures.written.append(path)
         if self._as_json:
             click.echo(to_json(document))
         elif plan.best is not None:
@@ -132,14 +137,12 @@ class Outputs:
             self._draw(plan, stem)
 
     def _print_table(self, plan: Plan) -> None:
-        from rich.console import Console
+        from rich.text import Text
 
-        from flatgrasp_cli.results.table import grasp_table
+        from flatgrasp_cli.results.table import grasp_table, headline, refusals
 
-        console = Console(width=None if sys.stdout.isatty() else 120)
-        with console.capture() as text:  # rich would end the process with 1 when the reader of a pipe leaves
-            console.print(grasp_table(plan))
-        click.echo(text.get(), nl=False)
+        without = refusals(plan)
+        show(Text(headline(plan)), grasp_table(plan, wide=self._wide), *([Text(without)] if without else []))
 
     def _draw(self, plan: Plan, stem: str) -> None:
         from flatgrasp_cli.results.figures import arm_figure, final_figure, stage_figures
@@ -170,10 +173,20 @@ class Sources:
 
 
 def say_refusal(plan: Plan) -> None:
-    """Say on stderr why a cloud has no grasp."""
+    """Say on stderr why a cloud has no grasp, and what would help."""
     from flatgrasp_cli.results.table import refusal
 
-    click.echo(f"flatgrasp: {plan.cloud.source}: {refusal(plan)}", err=True)
+    for line in refusal(plan):
+        click.echo(f"flatgrasp: {plan.cloud.source}: {line}", err=True)
+
+
+def say_written(paths: list[Path]) -> None:
+    """Say on stderr which files were written."""
+    if len(paths) > NAMED:
+        folder = f"{paths[0].parent}/" if paths[0].parent != Path() else "the current folder"
+        click.echo(f"flatgrasp: wrote {len(paths)} files to {folder}: {paths[0].name} … {paths[-1].name}", err=True)
+    elif paths:
+        click.echo(f"flatgrasp: wrote {', '.join(map(str, paths))}", err=True)
 
 
 @contextmanager

@@ -19,6 +19,7 @@ from flatgrasp_cli.model import Grasp, KnownFrom, ObjectPlan, OrientedBox, Reach
 from flatgrasp_cli.planner.gravity import gravity_center
 from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.profiles import Gripper, PlannerSettings, Robot
+from flatgrasp_cli.results.remedies import remedy_of
 
 SCHEMA_ID: Literal["flatgrasp.plan/1"] = "flatgrasp.plan/1"
 DECIMALS = 9
@@ -263,12 +264,16 @@ class GraspPart(_Part):
 
 
 class ObjectPart(_Part):
-    """One object: what was found of it, and its grasps, best first; `refused` are those out of the robot's reach."""
+    """One object: what was found of it, and its grasps, best first; `refused` are those out of the robot's reach.
+
+    Without a grasp, `reason` says why, and `remedy`, where one is known, what would help.
+    """
 
     id: int
     points: int
     status: Status
     reason: str | None
+    remedy: str | None
     nearest_miss: MissPart | None
     obb: BoxPart | None
     aabb: AabbPart | None
@@ -290,11 +295,12 @@ class TimingPart(_Part):
 
 
 class Document(_Part):
-    """The answer for one frame."""
+    """The answer for one frame; `reason` and `remedy` are null when there is a grasp."""
 
     id: Literal["flatgrasp.plan/1"] = Field(alias="schema")
     status: Status
     reason: str | None
+    remedy: str | None
     source: SourcePart
     sensor: SensorPart
     warnings: list[WarningPart]
@@ -328,6 +334,7 @@ def to_document(plan: Plan, read_ms: float = 0.0) -> dict[str, Any]:
         schema=SCHEMA_ID,
         status="ok" if plan.best is not None else "no_grasp",
         reason=plan.reason,
+        remedy=None if plan.best else remedy_of(plan, plan.objects[0] if plan.objects else None),
         source=SourcePart(
             path=source.path,
             topic=source.topic,
@@ -383,6 +390,7 @@ def _object(item: ObjectPlan, plan: Plan) -> ObjectPart:
         points=len(item.object.points),
         status="ok" if item.grasps else "no_grasp",
         reason=rejection.reason if rejection else None,
+        remedy=remedy_of(plan, item),
         nearest_miss=rejection
         and MissPart(stage=rejection.stage, value=_number(rejection.value), limit=_number(rejection.limit)),
         obb=box and _box(box),
