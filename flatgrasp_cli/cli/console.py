@@ -19,11 +19,12 @@ def show(*parts: RenderableType) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    console = Console(width=shutil.get_terminal_size((COLUMNS, LINES)).columns, highlight=False)
+    width = shutil.get_terminal_size((COLUMNS, LINES)).columns
+    console = Console(width=width, highlight=False)
     with console.capture() as text:  # rich would end the process with 1 when the reader of a pipe leaves
         for part in parts:
-            least = _keep_numbers_whole(part) if isinstance(part, Table) else 0
-            console.print(part, width=max(console.width, least), crop=False)
+            console.width = max(width, _keep_numbers_whole(part)) if isinstance(part, Table) else width
+            console.print(part)
     lines = text.get().splitlines()
     click.echo("\n".join(line.rstrip() for line in lines))
 

@@ -19,6 +19,11 @@ def bar(*, transient: bool = False) -> Progress:
     return Progress(*columns, console=Console(stderr=True), transient=transient, redirect_stdout=sys.stdout.isatty())
 
 
+def on_terminal() -> bool:
+    """Whether somebody watches stderr."""
+    return sys.stderr is not None and sys.stderr.isatty()
+
+
 class FrameProgress:
     """Which frame of which source is planned; shown from the second one on, and gone at the end."""
 
@@ -36,7 +41,7 @@ class FrameProgress:
     def frame(self, source: int) -> None:
         """Note that a frame of the source of that number, from 0, is planned now."""
         self._frames += 1
-        if not sys.stderr.isatty() or self._sources == self._frames == 1:
+        if not on_terminal() or self._sources == self._frames == 1:
             return
         if self._bar is None:
             self._bar = bar(transient=True)
