@@ -123,7 +123,7 @@ def test_no_sample_waits_for_open3d(tmp_path: Path) -> None:
     samples = sorted(SAMPLES.glob("*.pcd"))
     assert len(samples) == 9
     assert all(b"\nDATA binary\n" in path.read_bytes()[:300] for path in samples)
-    command = [sys.executable, "-X", "importtime", *COMMAND[1:], "plan", SAMPLES / "juice_box.pcd", "--json"]
+    command = [sys.executable, "-X", "importtime", *COMMAND[1:], "plan", str(SAMPLES / "juice_box.pcd"), "--json"]
     done = subprocess.run(command, capture_output=True, check=False, cwd=tmp_path, text=True)
     assert done.returncode == 0
     assert modules(done.stderr).isdisjoint({"matplotlib", "open3d", "rich"})

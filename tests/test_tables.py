@@ -85,17 +85,20 @@ class TestProgress:
         monkeypatch.setattr("flatgrasp_cli.cli.progress.on_terminal", lambda: True)
         monkeypatch.setenv("TTY_COMPATIBLE", "1")
 
-    def test_many_frames_show_where_it_is(self, terminal: None, run: Run) -> None:
+    @pytest.mark.usefixtures("terminal")
+    def test_many_frames_show_where_it_is(self, run: Run) -> None:
         done = run("plan", SAMPLES / "pan_ros2", "--json", "--gripper", "pr2")
         assert "frame 3" in done.err
         assert len(done.out.splitlines()) == 3
         assert "\x1b" not in done.out
 
-    def test_many_sources_are_counted(self, terminal: None, run: Run) -> None:
+    @pytest.mark.usefixtures("terminal")
+    def test_many_sources_are_counted(self, run: Run) -> None:
         done = run("plan", SAMPLES / "pan.pcd", SAMPLES / "juice_box.pcd", "--json")
         assert "source 2 of 2" in done.err
 
-    def test_one_frame_shows_none(self, terminal: None, run: Run) -> None:
+    @pytest.mark.usefixtures("terminal")
+    def test_one_frame_shows_none(self, run: Run) -> None:
         assert "frame" not in run("plan", SAMPLES / "juice_box.pcd", "--json").err
 
     def test_a_pipe_sees_none(self, run: Run) -> None:

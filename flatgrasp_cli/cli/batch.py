@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from flatgrasp_cli.cli.defaults import context_of
 from flatgrasp_cli.cli.planning_options import planning_options
 from flatgrasp_cli.cli.progress import bar
 from flatgrasp_cli.errors import SourceError, UsageError
@@ -28,7 +29,7 @@ NO_GRASP, INTERRUPTED = 1, 130
 PLAIN_EVERY_S = 10.0
 
 
-@click.command("batch")
+@click.command("batch", context_settings=context_of("batch"))
 @click.argument("sources", metavar="SOURCE…", nargs=-1)
 @click.option("--from-list", metavar="FILE|-", help="Read further sources from a file, or standard input, a line each.")
 @planning_options

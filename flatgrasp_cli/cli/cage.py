@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from flatgrasp_cli.cli.console import show
+from flatgrasp_cli.cli.defaults import context_of
 from flatgrasp_cli.cli.outputs import NO_GRASP, Names, Pictures, Warnings, say_refusal, say_written
 from flatgrasp_cli.cli.planning_options import planning_options
 
@@ -39,7 +40,7 @@ class _Outline:
     settings: CagingSettings
 
 
-@click.command("cage")
+@click.command("cage", context_settings=context_of("cage"))
 @click.argument("source", metavar="POLYGON|CLOUD")
 @planning_options
 @click.option("--out", "-o", type=click.Path(path_type=Path, file_okay=False), metavar="DIR", help="Draw a PNG there.")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from flatgrasp_cli.cli.console import show
+from flatgrasp_cli.cli.defaults import context_of
 from flatgrasp_cli.cli.outputs import NO_GRASP, Names, Pictures, Sources, Warnings, say_refusal, say_written
 from flatgrasp_cli.cli.planning_options import planning_options
 
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 SCHEMA = "flatgrasp.compare/1"
 
 
-@click.command("compare")
+@click.command("compare", context_settings=context_of("compare"))
 @click.argument("sources", metavar="CLOUD…", nargs=-1, required=True)
 @planning_options
 @click.option("--out", "-o", type=click.Path(path_type=Path, file_okay=False), metavar="DIR", help="Draw PNGs there.")

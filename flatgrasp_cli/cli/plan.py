@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from flatgrasp_cli.cli.defaults import context_of
 from flatgrasp_cli.cli.outputs import NO_GRASP, Names, Outputs, Sources, say_written
 from flatgrasp_cli.cli.planning_options import planning_options
 from flatgrasp_cli.cli.progress import FrameProgress
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from flatgrasp_cli.job import Job
 
 
-@click.command("plan")
+@click.command("plan", context_settings=context_of("plan"))
 @click.argument("sources", metavar="SOURCE…", nargs=-1, required=True)
 @planning_options
 @click.option(
