@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import click
 
 from flatgrasp_cli.cli.console import show
+from flatgrasp_cli.cli.progress import FrameProgress
 from flatgrasp_cli.errors import FigureError, SourceError, UsageError
 from flatgrasp_cli.whole_files import write_bytes, write_text
 
@@ -105,9 +106,9 @@ class Warnings:
 class Outputs:
     """Writes each plan as asked: into `folder` (None: no files), and to stdout as JSON or as a table."""
 
-    def __init__(self, folder: Path | None, as_json: bool, plots: str, *, wide: bool = False) -> None:
+    def __init__(self, folder: Path | None, as_json: bool, plots: str, progress: FrameProgress, *, wide: bool) -> None:
         self._folder, self._as_json, self._stages, self._wide = folder, as_json, plots == "stages", wide
-        self._warnings = Warnings()
+        self._warnings, self._progress = Warnings(), progress
         self.refused = 0
         self.draws = folder is not None and plots != "none"
         self.pictures = Pictures(folder if self.draws else None)
@@ -119,20 +120,21 @@ class Outputs:
         """Write one plan of a source, pictures last; says on stderr when it has no grasp."""
         from flatgrasp_cli.results.document import to_document, to_json
 
-        self._warnings.tell(plan, source)
         document = to_document(plan, read_ms)
         if self._folder is not None:
             path = self._folder / f"{stem}.grasps.json"
             with writing(path):
                 write_text(path, [to_json(document, indent=2), "\n"])
             self.pictures.written.append(path)
-        if self._as_json:
-            click.echo(to_json(document))
-        elif plan.best is not None:
-            self._print_table(plan)
-        if plan.best is None:
-            self.refused += 1
-            say_refusal(plan)
+        with self._progress.aside():
+            self._warnings.tell(plan, source)
+            if self._as_json:
+                click.echo(to_json(document))
+            elif plan.best is not None:
+                self._print_table(plan)
+            if plan.best is None:
+                self.refused += 1
+                say_refusal(plan)
         if self.draws:
             self._draw(plan, stem)
 

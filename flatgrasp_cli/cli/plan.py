@@ -45,9 +45,9 @@ def command(sources: tuple[str, ...], job: Job, out: Path | None, as_json: bool,
     image of a folder, and prints the best grasps. Exit code 0: a grasp for every cloud; 1: some cloud has none, the
     document says why; 2: some file could not be written or picture drawn; 3: some source could not be read.
     """
-    outputs = Outputs(out if as_json else out or Path(), as_json, plots, wide=wide)
     names, reading = Names(), Sources(len(sources))
     with FrameProgress(len(sources)) as progress:
+        outputs = Outputs(out if as_json else out or Path(), as_json, plots, progress, wide=wide)
         for number, source in enumerate(sources):
             _refuse_terminal(source)
             stem = names.of_source(source)

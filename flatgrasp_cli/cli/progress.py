@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Self
 
 if TYPE_CHECKING:
@@ -10,13 +12,13 @@ if TYPE_CHECKING:
 
 
 def bar(*, transient: bool = False) -> Progress:
-    """A bar with words beside it, and the time that is left; what is printed meanwhile scrolls by above it."""
+    """A bar with words beside it, and the time that is left."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
     columns = (BarColumn(), TaskProgressColumn(), TextColumn("{task.description}"), TimeRemainingColumn())
-    # stdout that goes into a file or a pipe is data, and not the bar's to print
-    return Progress(*columns, console=Console(stderr=True), transient=transient, redirect_stdout=sys.stdout.isatty())
+    # stdout is data, which goes where it was sent
+    return Progress(*columns, console=Console(stderr=True), transient=transient, redirect_stdout=False)
 
 
 def on_terminal() -> bool:
@@ -37,6 +39,16 @@ class FrameProgress:
     def __exit__(self, *_error: object) -> None:
         if self._bar is not None:
             self._bar.stop()
+
+    @contextmanager
+    def aside(self) -> Iterator[None]:
+        """Step aside while something is printed: stdout may be the same terminal."""
+        if self._bar is None:
+            yield
+            return
+        self._bar.stop()
+        yield
+        self._bar.start()
 
     def frame(self, source: int) -> None:
         """Note that a frame of the source of that number, from 0, is planned now."""
