@@ -142,7 +142,7 @@ def _reached(item: ObjectPlan, gripper: Gripper, robot: Robot, settings: Planner
         grasps=tuple(replace(grasp, rank=k + 1) for k, grasp in enumerate(kept[:top])),
         refused=tuple(refused[:top]),
         funnel=(*item.funnel, Stage("reach", len(kept))),
-        rejection=None if kept else Rejection("reach", _why_not(robot, answers)),
+        rejection=None if kept else _why_not(robot, answers),
     )
 
 
@@ -162,8 +162,9 @@ def _motion(item: ObjectPlan, grasp: Grasp, gripper: Gripper, settings: PlannerS
     return Motion(settings.depth.approach_m, settings.depth.lift_m, lift, gripper.symmetric)
 
 
-def _why_not(robot: Robot, answers: tuple[Reach, ...]) -> str:
-    """The commonest way in which the robot fails, in one line."""
-    ways = [f"{answer.limit} at the {str(answer.waypoint).replace('_', '-')}" for answer in answers]
-    commonest = max(set(ways), key=lambda way: (ways.count(way), way))
-    return f"{robot.name} reaches none of the {len(answers)} best grasps: {commonest} in {ways.count(commonest)}"
+def _why_not(robot: Robot, answers: tuple[Reach, ...]) -> Rejection:
+    """The commonest way in which the robot fails; the limit that it fails by is the cause."""
+    ways = [(str(answer.limit), str(answer.waypoint)) for answer in answers]
+    limit, waypoint = commonest = max(set(ways), key=lambda way: (ways.count(way), way))
+    way = f"{limit} at the {waypoint.replace('_', '-')} in {ways.count(commonest)}"
+    return Rejection("reach", f"{robot.name} reaches none of the {len(answers)} best grasps: {way}", cause=limit)

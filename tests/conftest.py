@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import io
+import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -170,6 +171,18 @@ class Camera:
         depth += np.random.default_rng(seed).normal(0.0, noise_m, len(depth)) * (depth / 0.8) ** 2
         points = self.frame.origin + depth[:, None] * rays
         return Cloud(points, self.frame.origin, Source("test"))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def nobodys_defaults(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """No test reads the developer's own file of defaults or FLATGRASP_* variables."""
+    with pytest.MonkeyPatch.context() as patch:
+        home = str(tmp_path_factory.mktemp("home"))
+        patch.setenv("HOME", home)
+        patch.setenv("XDG_CONFIG_HOME", home)
+        for name in [name for name in os.environ if name.startswith("FLATGRASP_")]:
+            patch.delenv(name)
+        yield
 
 
 class Ended(NamedTuple):

@@ -10,11 +10,13 @@ import shapely
 from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import connected_components
 
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.polygon import left_normal
 from flatgrasp_cli.model import Cage
-from flatgrasp_cli.planner.caging import Hands, contact_space, immobilising_grasps, prove
+from flatgrasp_cli.planner.caging import Hands, contact_space, immobilising_grasps, merge_tree, prove
 from flatgrasp_cli.planner.caging.boundary import Boundary
 from flatgrasp_cli.planner.caging.contact_space import Caging, squeezing
 from flatgrasp_cli.planner.caging.hands import pad_points, sweeps
@@ -459,3 +461,11 @@ def test_no_way_out_of_thousands_of_proven_cages() -> None:
     assert total["caged"] > 10_000
     assert total["unsound"] == 0
     assert total["too_cautious"] < 0.001 * total["escapes"]  # the flood cannot pass gaps of a few cells
+
+
+@given(st.integers(1, 60).flatmap(lambda k: st.lists(st.integers(0, k - 1), min_size=k, max_size=k)))
+def test_parts_of_a_graph_are_scipys(ways: list[int]) -> None:
+    k = len(ways)
+    graph = csr_matrix((np.ones(k), ways, np.arange(k + 1)), shape=(k, k))
+    _, expected = connected_components(graph, directed=False)
+    assert merge_tree._components(np.array(ways)).tolist() == expected.tolist()

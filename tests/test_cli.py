@@ -88,7 +88,8 @@ def validator() -> Draft202012Validator:
 def test_plan_writes_both_files_and_prints_a_plain_table(plate: Path, tmp_path: Path, run: Run) -> None:
     out = tmp_path / "new" / "folder"
     done = subprocess.run([*COMMAND, "plan", plate, "--out", out], capture_output=True, check=False, text=True)
-    assert (done.returncode, done.stderr) == (0, "")
+    written = f"flatgrasp: wrote {out}/plate.grasps.json, {out}/plate.grasps.png\n"
+    assert (done.returncode, done.stderr) == (0, written)
     assert sorted(path.name for path in out.iterdir()) == ["plate.grasps.json", "plate.grasps.png"]
     assert (out / "plate.grasps.png").read_bytes().startswith(PNG)
     text = (out / "plate.grasps.json").read_text(encoding="utf-8")
@@ -116,6 +117,16 @@ def test_plan_from_a_pipe_gives_the_same_and_loads_no_plotting(plate: Path, run:
     loaded = modules(done.stderr.decode())
     assert "cv2" in loaded
     assert loaded.isdisjoint({"matplotlib", "open3d", "rich"})
+
+
+def test_no_sample_waits_for_open3d(tmp_path: Path) -> None:
+    samples = sorted(SAMPLES.glob("*.pcd"))
+    assert len(samples) == 9
+    assert all(b"\nDATA binary\n" in path.read_bytes()[:300] for path in samples)
+    command = [sys.executable, "-X", "importtime", *COMMAND[1:], "plan", str(SAMPLES / "juice_box.pcd"), "--json"]
+    done = subprocess.run(command, capture_output=True, check=False, cwd=tmp_path, text=True)
+    assert done.returncode == 0
+    assert modules(done.stderr).isdisjoint({"matplotlib", "open3d", "rich"})
 
 
 def test_help_loads_nothing_heavy() -> None:
@@ -170,7 +181,7 @@ def test_json_prints_a_line_for_each_source_and_writes_nothing(plate: Path, larg
 
 def test_json_with_out_does_both(plate: Path, run: Run) -> None:
     done = run("plan", plate, "--json", "--out", "results", "--plots", "none")
-    assert (done.code, done.err) == (0, "")
+    assert (done.code, done.err) == (0, "flatgrasp: wrote results/plate.grasps.json\n")
     assert [path.name for path in Path("results").iterdir()] == ["plate.grasps.json"]
     assert json.loads(Path("results/plate.grasps.json").read_text(encoding="utf-8")) == documents(done.out)[0]
 
@@ -232,7 +243,11 @@ def test_a_plate_too_large_is_refused_with_numbers(large: Path, run: Run) -> Non
     assert miss["value"] == pytest.approx(0.300, abs=0.005)
     assert miss["limit"] == pytest.approx(0.090, abs=0.005)
     assert "0.09" in document["reason"]
-    assert done.err == f"flatgrasp: {large}: no grasp: {document['reason']} (stage grasping_range)\n"
+    assert document["remedy"] == document["objects"][0]["remedy"]
+    assert done.err.splitlines() == [
+        f"flatgrasp: {large}: no grasp: {document['reason']} (stage grasping_range)",
+        f"flatgrasp: {large}: remedy: {document['remedy']}",
+    ]
 
 
 CROWD = np.random.default_rng(2).random((500, 1))

@@ -139,9 +139,10 @@ class TestSceneOptions:
     def test_an_empty_table_is_exit_1_with_the_reason(self, folder: Path, run: Run) -> None:
         done = run(recorded(folder / "empty.pcd", CAMERA, TABLE), "--scene", "table")
         assert done.code == 1
-        warning, reason = done.err.splitlines()
+        warning, reason, remedy = done.err.splitlines()
         assert "nothing says where the sensor was" in warning
         assert "nothing stands on the support plane" in reason
+        assert "--up X,Y,Z" in remedy
         assert done.document["objects"] == []
 
     def test_the_same_run_gives_the_same_bytes(self, scene: Path, run: Run) -> None:
@@ -227,8 +228,9 @@ class TestRobot:
     def test_an_unreachable_scene_is_exit_1_and_names_the_limit(self, far: Path, run: Run) -> None:
         done = run(far, "--robot", "ur5", "--camera-pose", pose_text(FAR))
         assert done.code == 1
-        assert len(done.err.splitlines()) == 1
         document = done.document
+        assert [line.split(": ")[2] for line in done.err.splitlines()] == ["no grasp", "remedy"]
+        assert "ur5 reaches 0.85 m: is --camera-pose right?" in document["remedy"]
         (item,) = document["objects"]
         assert (document["status"], item["status"], item["grasps"]) == ("no_grasp", "no_grasp", [])
         assert item["refused"]

@@ -18,7 +18,8 @@ from flatgrasp_cli.profiles import Gripper, Robot
 from flatgrasp_cli.profiles.robot import CameraPose
 from flatgrasp_cli.results.contracts import json_schema
 from flatgrasp_cli.results.document import to_json
-from flatgrasp_cli.results.table import ROWS, grasp_table
+from flatgrasp_cli.results.remedies import remedy_of
+from flatgrasp_cli.results.table import ROWS, grasp_table, headline, refusals
 from flatgrasp_cli.robot import forward
 from flatgrasp_cli.robot.reach import LIMITS
 from tests.conftest import MM, TABLE, Box, Camera
@@ -313,8 +314,9 @@ class TestDocument:
 def test_the_table_lists_every_object_and_why_it_has_no_grasp(pr2: Gripper) -> None:
     result = plan(CAMERA.sees(BESIDE, SMALL, WIDE), pr2)
     rejected = next(item for item in result.objects if item.rejection)
-    table = grasp_table(result)
-    assert str(table.title).endswith("2 objects on a support plane · pr2")
-    assert table.row_count == len(result.objects[0].grasps[:ROWS])
+    assert headline(result).splitlines() == ["test · pr2: two fingers on an arc", "2 objects on a support plane"]
+    assert grasp_table(result).row_count == len(result.objects[0].grasps[:ROWS])
     assert rejected.rejection is not None
-    assert table.caption == f"object {rejected.object.id}: no grasp: {rejected.rejection.reason}"
+    said, remedy = refusals(result).splitlines()
+    assert said == f"object {rejected.object.id}: no grasp: {rejected.rejection.reason}"
+    assert remedy == f"  remedy: {remedy_of(result, rejected)}"

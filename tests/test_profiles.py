@@ -46,6 +46,23 @@ def test_a_profile_is_frozen() -> None:
         load_gripper("pr2").max_opening_m = 1.0  # type: ignore[misc]
 
 
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("lacquey", "lacquey: thumb and finger pair"),
+        ("pr2", "pr2: two fingers on an arc"),
+        ("wsg_50", "wsg_50: two parallel fingers"),
+    ],
+)
+def test_grippers_describe_themselves(name: str, words: str) -> None:
+    assert load_gripper(name).description == words
+
+
+def test_jaws_of_more_fingers_are_counted() -> None:
+    hand = load_gripper("lacquey").model_copy(update={"jaws": ((-0.02, 0.0, 0.02), (-0.01, 0.01))})
+    assert hand.description == "lacquey: finger pair and 3 fingers"
+
+
 def test_jaw_widths_of_a_thumb_and_a_pair() -> None:
     hand = load_gripper("lacquey")
     assert hand.jaw_width_m(0) == pytest.approx(0.010)
@@ -73,8 +90,8 @@ def test_jaw_widths_of_a_thumb_and_a_pair() -> None:
         ("jaws: [[0.0], [1.0e+9]]", ["jaws.1.0", "less than or equal to 10"]),
         ("jaws: [[false], [0.0]]", ["jaws.0.0", "False", "number"]),
         (f"palm_m: {'9' * 5000}", ["profile.yaml", "4300 digits"]),
-        ("palm_m: &a [*a]", ["profile.yaml:", "no aliases"]),
-        ("a: &a [x, x]\nb: &b [*a, *a]\npalm_m: [*b, *b]", ["no aliases"]),
+        ("palm_m: &a [*a]", ["profile.yaml:", "aliases are not allowed"]),
+        ("a: &a [x, x]\nb: &b [*a, *a]\npalm_m: [*b, *b]", ["aliases are not allowed"]),
         (f"palm_m: {'[' * 30}{']' * 30}", ["more than 20 levels"]),
         ("palm_m:\t0.1\n\tname: x", ["not valid YAML"]),
         (f"palm_m: {'x' * 5000}", ["palm_m", "number"]),
@@ -102,7 +119,7 @@ def test_a_fault_is_named_with_file_key_value_and_cure(line: str, words: list[st
         (b"name: x\x00", "not valid YAML"),
         (b"a: 1\n" * 1_000_000, "too many"),
         (b"- a", "this is tuple"),
-        (b"", "this is NoneType"),
+        (b"", "missing|not a kind"),
         (b"2001-02-30: a", "not valid YAML"),
     ],
 )

@@ -566,7 +566,7 @@ def test_damage_is_a_warning_or_with_strict_an_error(
 def test_inspect_prints_tables_and_json(run: Run, tmp_path: Path) -> None:
     ended = run("inspect", PAN["pan_ros1.bag"], SAMPLES / "pan.pcd")
     assert ended.code == 0
-    for text in ("/camera/depth/image_rect_raw", "160 × 120 points", "16UC1", "PCD", "base_link"):
+    for text in ("/camera/depth/image_rect_raw", "points: 160 × 120, ", "16UC1", "PCD", "base_link"):
         assert text in ended.out
     ended = run("inspect", PAN["pan_ros1.bag"], tmp_path / "gone.bag", "--json")
     assert ended.code == 3
@@ -582,7 +582,10 @@ def test_inspect_calls_the_frame_of_a_file_as_documents_do(run: Run) -> None:
     assert run("inspect", SAMPLES / "pan.pcd").out.splitlines()[1].startswith("cloud: ")
 
 
-def test_inspect_obeys_no_name_and_lists_no_end_of_problems(run: Run, tmp_path: Path) -> None:
+def test_inspect_obeys_no_name_and_lists_no_end_of_problems(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "300")
     path = tmp_path / "a.bag"
     good = cloud_message(ROS1, np.ones((100, 3), np.float32), "packed")
     with Ros1Writer(path) as writer:

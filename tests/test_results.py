@@ -94,7 +94,7 @@ def test_the_papers_objects_are_grasped_with_one_finger_pair(name: str) -> None:
 def test_samples_are_small() -> None:
     files = list(SAMPLES.glob("*.pcd"))
     assert {path.stem for path in files} == {*OBJECTS, "pan_on_table", "table_scene"}
-    assert max(path.stat().st_size for path in files) < 200_000
+    assert max(path.stat().st_size for path in files) < 600_000
 
 
 def test_the_final_figure_draws_the_grasp_where_it_is() -> None:

@@ -120,7 +120,7 @@ def recorded(
 
 
 def test_the_palm_meets_what_a_search_of_all_cells_finds(monkeypatch: pytest.MonkeyPatch, pr2: Gripper) -> None:
-    answers = recorded(monkeypatch, depth, "_under_palm", plain_palm)
+    answers = recorded(monkeypatch, depth, "under_palm", plain_palm)
     plan(SCENE, pr2, load_settings("default", ("fingers.step_m=0.008",)))
     assert any(np.isfinite(slow).any() for _, slow in answers)
     for fast, slow in answers:

@@ -14,7 +14,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from flatgrasp_cli.cli.defaults import context_of
 from flatgrasp_cli.cli.planning_options import planning_options
+from flatgrasp_cli.cli.progress import bar
 from flatgrasp_cli.errors import SourceError, UsageError
 
 if TYPE_CHECKING:
@@ -27,7 +29,7 @@ NO_GRASP, INTERRUPTED = 1, 130
 PLAIN_EVERY_S = 10.0
 
 
-@click.command("batch")
+@click.command("batch", context_settings=context_of("batch"))
 @click.argument("sources", metavar="SOURCE…", nargs=-1)
 @click.option("--from-list", metavar="FILE|-", help="Read further sources from a file, or standard input, a line each.")
 @planning_options
@@ -178,17 +180,12 @@ def _numbers(progress: Progress) -> str:
 
 @contextmanager
 def _bar() -> Iterator[tuple[Callable[[str], None], Callable[[Progress], None]]]:
-    from rich.console import Console
-    from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
-    from rich.progress import Progress as Bar
-
     began = time.monotonic()
-    columns = (BarColumn(), TaskProgressColumn(), TextColumn("{task.description}"), TimeRemainingColumn())
-    with Bar(*columns, console=Console(stderr=True)) as bar:
-        task = bar.add_task("", total=1.0)
+    with bar() as shown:
+        task = shown.add_task("", total=1.0)
 
         def watch(progress: Progress) -> None:
             rate = progress.planned / max(time.monotonic() - began, 1e-9)
-            bar.update(task, completed=progress.share, description=f"{_numbers(progress)}, {rate:.1f} frames/s")
+            shown.update(task, completed=progress.share, description=f"{_numbers(progress)}, {rate:.1f} frames/s")
 
-        yield partial(bar.console.print, markup=False, highlight=False), watch
+        yield partial(shown.console.print, markup=False, highlight=False), watch

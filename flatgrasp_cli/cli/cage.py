@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
@@ -11,7 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from flatgrasp_cli.cli.outputs import NO_GRASP, Names, Pictures, Warnings, say_refusal
+from flatgrasp_cli.cli.console import show
+from flatgrasp_cli.cli.defaults import context_of
+from flatgrasp_cli.cli.outputs import NO_GRASP, Names, Pictures, Warnings, say_refusal, say_written
 from flatgrasp_cli.cli.planning_options import planning_options
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ class _Outline:
     settings: CagingSettings
 
 
-@click.command("cage")
+@click.command("cage", context_settings=context_of("cage"))
 @click.argument("source", metavar="POLYGON|CLOUD")
 @planning_options
 @click.option("--out", "-o", type=click.Path(path_type=Path, file_okay=False), metavar="DIR", help="Draw a PNG there.")
@@ -69,6 +70,7 @@ def command(source: str, job: Job, out: Path | None, as_json: bool) -> int:
             pictures.save(f"{one.stem}.cage", partial(_figure, one, found))
             code = code if found else NO_GRASP
         code = code if outlines else NO_GRASP
+    say_written(pictures.written)
     return pictures.code or code
 
 
@@ -97,18 +99,18 @@ def _of_object(item: ObjectPlan, name: str, source: str, caging: CagingSettings)
 
 
 def _print(document: dict[str, Any]) -> None:
-    from rich.console import Console
-    from rich.markup import escape
+    from rich.box import SIMPLE_HEAD
     from rich.table import Table
+    from rich.text import Text
 
     name = document["source"] if document["object"] is None else f"{document['source']}, object {document['object']}"
     if not document["grasps"]:
-        click.echo(f"{name}: {document['reason']}")
+        show(Text(f"{name}: {document['reason']}"))
         return
-    table = Table(title=escape(name), title_justify="left")
+    table = Table(box=SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
     way = "max" if document["closing"] == "inward" else "min"
-    for heading in ("rank", "width", "another grasp from", "gets away from", "contacts"):
-        table.add_column(heading, justify="right")
+    for heading in ("rank", "width", "another\ngrasp from", "gets away\nfrom", "contacts\nx y   x y"):
+        table.add_column(heading, justify="right", no_wrap=True)
     for grasp in document["grasps"][:LISTED]:
         cage = grasp["cage"]
         limits = [cage[f"basin_opening_{way}_m"], cage[f"opening_{way}_m"]]
@@ -118,12 +120,8 @@ def _print(document: dict[str, Any]) -> None:
             *("never" if limit is None else f"{limit:.4g}" for limit in limits),
             "   ".join(f"{x:.4g} {y:.4g}" for x, y in grasp["contacts"]),
         )
-    console = Console(width=None if sys.stdout.isatty() else 120)
-    with console.capture() as text:
-        console.print(table)
-        if len(document["grasps"]) > LISTED:
-            console.print(f"and {len(document['grasps']) - LISTED} more; --json lists them")
-    click.echo(text.get(), nl=False)
+    more = len(document["grasps"]) - LISTED
+    show(Text(name), table, *([Text(f"and {more} more; --json lists them")] if more > 0 else []))
 
 
 def _figure(outline: _Outline, found: tuple[Immobilisation, ...]) -> Figure | None:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import sys
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from flatgrasp_cli.cli.outputs import NO_GRASP, Names, Pictures, Sources, Warnings, say_refusal
+from flatgrasp_cli.cli.console import show
+from flatgrasp_cli.cli.defaults import context_of
+from flatgrasp_cli.cli.outputs import NO_GRASP, Names, Pictures, Sources, Warnings, say_refusal, say_written
 from flatgrasp_cli.cli.planning_options import planning_options
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 SCHEMA = "flatgrasp.compare/1"
 
 
-@click.command("compare")
+@click.command("compare", context_settings=context_of("compare"))
 @click.argument("sources", metavar="CLOUD…", nargs=-1, required=True)
 @planning_options
 @click.option("--out", "-o", type=click.Path(path_type=Path, file_okay=False), metavar="DIR", help="Draw PNGs there.")
@@ -56,6 +57,7 @@ def command(sources: tuple[str, ...], job: Job, out: Path | None, as_json: bool)
                     code = NO_GRASP
     if rows and not as_json:
         _print(rows)
+    say_written(pictures.written)
     return reading.code or pictures.code or code
 
 
@@ -76,33 +78,29 @@ def _row(source: str, pair: Comparison) -> dict[str, Any]:
 
 
 def _print(rows: list[dict[str, Any]]) -> None:
-    from rich.console import Console
-    from rich.markup import escape
+    from rich.box import SIMPLE_HEAD
     from rich.table import Table
+    from rich.text import Text
 
-    table = Table(title="Lei & Wisse 2016 and two point fingers (Allen et al. 2012)", title_justify="left")
-    for heading, side in (("source", "left"), ("object", "right"), ("our best\nmm", "right"), ("caged", "left")):
-        table.add_column(heading, justify=side)  # type: ignore[arg-type]
-    for heading in ("point fingers", "the hand can"):
-        table.add_column(heading, justify="right")
-    table.add_column("why not the first that it cannot")
+    table = Table(box=SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
+    table.add_column("source", overflow="fold")
+    for heading in ("object", "our best\nmm", "caged", "point\nfingers", "the hand\ncan"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("why not the first that it cannot", overflow="fold")
     for row in rows:
         theirs = row["point_fingers"]
         reason = next((each["reason"] for each in theirs if each["reason"]), "")
         ours = row["ours"]
         table.add_row(
-            escape(Path(row["source"]).name),
+            Text(Path(row["source"]).name),
             str(row["object"]),
             f"{1000 * ours['width_m']:.1f}" if ours else "none",
             {True: "yes", False: "no"}[ours["caged"]] if ours else "",
             str(len(theirs)),
             str(sum(each["executable"] for each in theirs)),
-            reason,
+            Text(reason),
         )
-    console = Console(width=None if sys.stdout.isatty() else 140)
-    with console.capture() as text:
-        console.print(table)
-    click.echo(text.get(), nl=False)
+    show("Lei & Wisse 2016 and two point fingers (Allen et al. 2012)", table)
 
 
 def _figure(pair: Comparison, job: Job, cloud: Cloud) -> Figure | None:

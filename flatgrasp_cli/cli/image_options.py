@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from flatgrasp_cli.cli.defaults import option
+
 if TYPE_CHECKING:
     from flatgrasp_cli.sources.selection import DepthAxes
 
@@ -26,19 +28,19 @@ def _unit(context: click.Context, parameter: click.Parameter, value: float | Non
 
 
 IMAGE_OPTIONS = (
-    click.option(
+    option(
         "--intrinsics",
         metavar="FX,FY,CX,CY|FILE",
         help="Of the camera of depth images: pixels, a ROS camera_info (YAML), or Open3D's JSON.",
     ),
-    click.option(
+    option(
         "--depth-unit",
         type=float,
         callback=_unit,
         metavar="METRES",
         help="One count of depth images in metres; 0.001 for integers, 1 for floats if not given.",
     ),
-    click.option(
+    option(
         "--depth-axes",
         type=click.Choice(["optical", "body"]),
         help="Of the frame of depth images: z forward, y down, or x forward, z up; else as names and transforms say.",
@@ -48,8 +50,8 @@ IMAGE_OPTIONS = (
 
 def image_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Give a command the options that say what depth images mean; `of_images` reads their values."""
-    for option in reversed(IMAGE_OPTIONS):
-        command = option(command)
+    for each in reversed(IMAGE_OPTIONS):
+        command = each(command)
     return command
 
 

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import json
-import sys
 from dataclasses import asdict
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from flatgrasp_cli.cli.console import show
 from flatgrasp_cli.cli.image_options import image_options, of_images
 from flatgrasp_cli.cli.outputs import Sources
 
 if TYPE_CHECKING:
-    from rich.console import Console
+    from rich.console import RenderableType
+    from rich.table import Table
 
     from flatgrasp_cli.sources.summary import CloudSummary, Summary, TopicSummary
 
@@ -58,22 +59,18 @@ def command(sources: tuple[str, ...], as_json: bool, **images: Any) -> int:
 
 
 def _print(summary: Summary) -> None:
-    from rich.console import Console
-
-    console = Console(width=None if sys.stdout.isatty() else 160, highlight=False)
-    with console.capture() as text:
-        console.print(f"[bold]{_plain(summary.path)}[/bold] · {_plain(summary.container)}{_time(summary)}")
-        if summary.topics:
-            _print_topics(console, summary.topics)
-        if summary.frames:
-            console.print(f"frames: {_plain(', '.join(summary.frames))}")
-        for cloud in summary.clouds:
-            _print_cloud(console, cloud)
-        for problem, count in list(summary.problems.items())[:LISTED]:
-            console.print(f"problem: {_plain(problem)}{f' ({count} times)' if count > 1 else ''}")
-        if len(summary.problems) > LISTED:
-            console.print(f"and {len(summary.problems) - LISTED} more kinds of problems; --json lists them")
-    click.echo(text.get(), nl=False)
+    parts: list[RenderableType] = [
+        f"[bold]{_plain(summary.path)}[/bold] · {_plain(summary.container)}{_time(summary)}",
+        *([_topics(summary.topics)] if summary.topics else []),
+        *([f"frames: {_plain(', '.join(summary.frames))}"] if summary.frames else []),
+    ]
+    for cloud in summary.clouds:
+        parts += _cloud(cloud)
+    for problem, count in list(summary.problems.items())[:LISTED]:
+        parts.append(f"problem: {_plain(problem)}{f' ({count} times)' if count > 1 else ''}")
+    if len(summary.problems) > LISTED:
+        parts.append(f"and {len(summary.problems) - LISTED} more kinds of problems; --json lists them")
+    show(*parts)
 
 
 def _time(summary: Summary) -> str:
@@ -83,36 +80,36 @@ def _time(summary: Summary) -> str:
     return f" · {summary.duration_s:.3f} s from {start:%Y-%m-%dT%H:%M:%S.%f}Z"
 
 
-def _print_topics(console: Console, topics: tuple[TopicSummary, ...]) -> None:
+def _topics(topics: tuple[TopicSummary, ...]) -> Table:
+    from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
-    table = Table()
+    table = Table(box=SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
     for heading in ("topic", "type", "encoding"):
-        table.add_column(heading)
+        table.add_column(heading, overflow="fold")
     for heading in ("messages", "rate Hz"):
-        table.add_column(heading, justify="right")
+        table.add_column(heading, justify="right", no_wrap=True)
     for topic in topics:
         count = "?" if topic.count is None else str(topic.count)
         rate = "" if topic.rate_hz is None else f"{topic.rate_hz:.1f}"
         table.add_row(_plain(topic.name), _plain(topic.type), _plain(topic.encoding), count, rate)
-    console.print(table)
+    return table
 
 
-def _print_cloud(console: Console, cloud: CloudSummary) -> None:
+def _cloud(cloud: CloudSummary) -> list[str]:
     from flatgrasp_cli.model import UNNAMED_FRAME
 
     where = f"first cloud on {cloud.topic}" if cloud.topic else "cloud"
     frame = "" if cloud.frame_id == UNNAMED_FRAME else f" in {cloud.frame_id}"
     size = " × ".join(str(side) for side in cloud.shape[::-1] if side != 1) or "1"
-    console.print(f"{_plain(where + frame)}: {size} points, {100 * cloud.nan_share:.1f} % not measured")
+    lines = [_plain(where + frame), f"  points: {size}, {100 * cloud.nan_share:.1f} % not measured"]
     if cloud.fields:
-        console.print(f"  fields: {_plain(' '.join(cloud.fields))}")
+        lines.append(f"  fields: {_plain(' '.join(cloud.fields))}")
     if cloud.low_m is not None and cloud.high_m is not None:
         sides = zip("xyz", cloud.low_m, cloud.high_m, strict=True)
-        console.print("  extent: " + ", ".join(f"{axis} {low:.3f} … {high:.3f} m" for axis, low, high in sides))
-    console.print(f"  sensor: {_where(cloud.sensor)}")
-    for warning in cloud.warnings:
-        console.print(f"  warning: {_plain(warning)}")
+        lines.append("  extent: " + ", ".join(f"{axis} {low:.3f} … {high:.3f} m" for axis, low, high in sides))
+    lines.append(f"  sensor: {_where(cloud.sensor)}")
+    return lines + [f"  warning: {_plain(warning)}" for warning in cloud.warnings]
 
 
 def _where(sensor: dict[str, Any]) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
@@ -12,6 +11,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from flatgrasp_cli.cli.console import show
+from flatgrasp_cli.cli.progress import FrameProgress
 from flatgrasp_cli.errors import FigureError, SourceError, UsageError
 from flatgrasp_cli.whole_files import write_bytes, write_text
 
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 
 
 NO_GRASP = 1
+NAMED = 3
+"""Files whose names are said; of more, how many, the first and the last."""
 
 
 class Names:
@@ -63,6 +66,7 @@ class Pictures:
 
     def __init__(self, folder: Path | None) -> None:
         self._folder = folder
+        self.written: list[Path] = []
         self.code = 0
 
     def save(self, name: str, draw: Callable[[], Figure | None]) -> None:
@@ -81,6 +85,7 @@ class Pictures:
         if content is not None:
             with writing(path):
                 write_bytes(path, content)
+            self.written.append(path)
 
 
 class Warnings:
@@ -101,9 +106,9 @@ class Warnings:
 class Outputs:
     """Writes each plan as asked: into `folder` (None: no files), and to stdout as JSON or as a table."""
 
-    def __init__(self, folder: Path | None, as_json: bool, plots: str) -> None:
-        self._folder, self._as_json, self._stages = folder, as_json, plots == "stages"
-        self._warnings = Warnings()
+    def __init__(self, folder: Path | None, as_json: bool, plots: str, progress: FrameProgress, *, wide: bool) -> None:
+        self._folder, self._as_json, self._stages, self._wide = folder, as_json, plots == "stages", wide
+        self._warnings, self._progress = Warnings(), progress
         self.refused = 0
         self.draws = folder is not None and plots != "none"
         self.pictures = Pictures(folder if self.draws else None)
@@ -115,31 +120,31 @@ class Outputs:
         """Write one plan of a source, pictures last; says on stderr when it has no grasp."""
         from flatgrasp_cli.results.document import to_document, to_json
 
-        self._warnings.tell(plan, source)
         document = to_document(plan, read_ms)
         if self._folder is not None:
             path = self._folder / f"{stem}.grasps.json"
             with writing(path):
                 write_text(path, [to_json(document, indent=2), "\n"])
-        if self._as_json:
-            click.echo(to_json(document))
-        elif plan.best is not None:
-            self._print_table(plan)
-        if plan.best is None:
-            self.refused += 1
-            say_refusal(plan)
+            self.pictures.written.append(path)
+        with self._progress.aside():
+            self._warnings.tell(plan, source)
+            if self._as_json:
+                click.echo(to_json(document))
+            elif plan.best is not None:
+                self._print_table(plan)
+            if plan.best is None:
+                self.refused += 1
+                say_refusal(plan)
         if self.draws:
             self._draw(plan, stem)
 
     def _print_table(self, plan: Plan) -> None:
-        from rich.console import Console
+        from rich.text import Text
 
-        from flatgrasp_cli.results.table import grasp_table
+        from flatgrasp_cli.results.table import grasp_table, headline, refusals
 
-        console = Console(width=None if sys.stdout.isatty() else 120)
-        with console.capture() as text:  # rich would end the process with 1 when the reader of a pipe leaves
-            console.print(grasp_table(plan))
-        click.echo(text.get(), nl=False)
+        without = refusals(plan)
+        show(Text(headline(plan)), grasp_table(plan, wide=self._wide), *([Text(without)] if without else []))
 
     def _draw(self, plan: Plan, stem: str) -> None:
         from flatgrasp_cli.results.figures import arm_figure, final_figure, stage_figures
@@ -170,10 +175,20 @@ class Sources:
 
 
 def say_refusal(plan: Plan) -> None:
-    """Say on stderr why a cloud has no grasp."""
+    """Say on stderr why a cloud has no grasp, and what would help."""
     from flatgrasp_cli.results.table import refusal
 
-    click.echo(f"flatgrasp: {plan.cloud.source}: {refusal(plan)}", err=True)
+    for line in refusal(plan):
+        click.echo(f"flatgrasp: {plan.cloud.source}: {line}", err=True)
+
+
+def say_written(paths: list[Path]) -> None:
+    """Say on stderr which files were written."""
+    if len(paths) > NAMED:
+        folder = f"{paths[0].parent}/" if paths[0].parent != Path() else "the current folder"
+        click.echo(f"flatgrasp: wrote {len(paths)} files to {folder}: {paths[0].name} … {paths[-1].name}", err=True)
+    elif paths:
+        click.echo(f"flatgrasp: wrote {', '.join(map(str, paths))}", err=True)
 
 
 @contextmanager

@@ -8,14 +8,16 @@ from typing import TYPE_CHECKING
 
 import click
 
-from flatgrasp_cli.cli.outputs import NO_GRASP, Names, Outputs, Sources
+from flatgrasp_cli.cli.defaults import context_of
+from flatgrasp_cli.cli.outputs import NO_GRASP, Names, Outputs, Sources, say_written
 from flatgrasp_cli.cli.planning_options import planning_options
+from flatgrasp_cli.cli.progress import FrameProgress
 
 if TYPE_CHECKING:
     from flatgrasp_cli.job import Job
 
 
-@click.command("plan")
+@click.command("plan", context_settings=context_of("plan"))
 @click.argument("sources", metavar="SOURCE…", nargs=-1, required=True)
 @planning_options
 @click.option(
@@ -33,7 +35,8 @@ if TYPE_CHECKING:
     show_default=True,
     help="The final grasp as PNG, or every stage of the method, or nothing.",
 )
-def command(sources: tuple[str, ...], job: Job, out: Path | None, as_json: bool, plots: str) -> int:
+@click.option("--wide", is_flag=True, help="Print all columns, however wide the table gets.")
+def command(sources: tuple[str, ...], job: Job, out: Path | None, as_json: bool, plots: str, wide: bool) -> int:
     """Plan grasps on clouds, meshes, depth images, recordings, or "-" for standard input.
 
     Clouds are PCD or PLY; meshes PLY, STL, OBJ, OFF or glTF, sampled; depth images PNG, TIFF or .npy with --intrinsics,
@@ -42,14 +45,17 @@ def command(sources: tuple[str, ...], job: Job, out: Path | None, as_json: bool,
     image of a folder, and prints the best grasps. Exit code 0: a grasp for every cloud; 1: some cloud has none, the
     document says why; 2: some file could not be written or picture drawn; 3: some source could not be read.
     """
-    outputs = Outputs(out if as_json else out or Path(), as_json, plots)
     names, reading = Names(), Sources(len(sources))
-    for source in sources:
-        _refuse_terminal(source)
-        stem = names.of_source(source)
-        with reading.each():
-            for cloud, read_ms in job.clouds(source, colors=outputs.draws):
-                outputs.write(job.plan(cloud), source, names.of_frame(stem, cloud, source), read_ms)
+    with FrameProgress(len(sources)) as progress:
+        outputs = Outputs(out if as_json else out or Path(), as_json, plots, progress, wide=wide)
+        for number, source in enumerate(sources):
+            _refuse_terminal(source)
+            stem = names.of_source(source)
+            with reading.each():
+                for cloud, read_ms in job.clouds(source, colors=outputs.draws):
+                    progress.frame(number)
+                    outputs.write(job.plan(cloud), source, names.of_frame(stem, cloud, source), read_ms)
+    say_written(outputs.pictures.written)
     return reading.code or outputs.pictures.code or (NO_GRASP if outputs.refused else 0)
 
 

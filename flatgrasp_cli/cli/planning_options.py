@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from flatgrasp_cli.cli.completion import complete_profile
+from flatgrasp_cli.cli.defaults import config_option, option, overrides, tell
 from flatgrasp_cli.cli.image_options import IMAGE_OPTIONS, of_images, positive
 from flatgrasp_cli.errors import UsageError
 
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 
 OPTIONS = (
-    click.option(
+    option(
         "--gripper",
         "-g",
         default="lacquey",
@@ -28,7 +29,7 @@ OPTIONS = (
         shell_complete=complete_profile("gripper"),
         help="Gripper profile; `flatgrasp profiles list` shows them.",
     ),
-    click.option(
+    option(
         "--method",
         default="default",
         show_default=True,
@@ -36,67 +37,66 @@ OPTIONS = (
         shell_complete=complete_profile("planner"),
         help="Planner settings: ours, or the paper's to the letter.",
     ),
-    click.option(
+    option(
         "--set",
-        "overrides",
+        "given",
         multiple=True,
+        envvar=None,
         metavar="KEY=VALUE",
         help="Override a planner setting, e.g. --set fingers.step_m=0.004. Repeatable.",
     ),
-    click.option(
+    option(
         "--scene",
         type=click.Choice(["auto", "object", "table"]),
         help="One object alone, or objects on a support plane; auto: as the cloud says.",
     ),
-    click.option(
+    option(
         "--object",
         "select",
         metavar="all|nearest|largest|X,Y",
         help="Which objects of a scene to plan: nearest to the sensor, largest, or nearest to a place.",
     ),
-    click.option(
+    option(
         "--up",
         metavar="X,Y,Z",
         help="The way up in the frame of the answer: normal of the support plane, and the side the hand comes from.",
     ),
-    click.option(
+    option(
         "--sensor",
         metavar="X,Y,Z|FRAME|above|none",
         help="Where the sensor was: a place in the frame of the answer, a frame of the recording, above, or in several "
         "places (merged clouds); else found, or assumed with a warning.",
     ),
-    click.option("--crop", metavar="XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX", help="Region of interest in metres."),
-    click.option(
-        "--prefer", type=click.Choice(["cost", "cage"]), help="Best first by cost, or by what a cage forgives."
-    ),
-    click.option("--require", type=click.Choice(["cage"]), help="Keep only grasps that cage the object."),
-    click.option("--closing", type=click.Choice(["inward", "outward"]), help="Which way the fingers close in a cage."),
-    click.option(
+    option("--crop", metavar="XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX", help="Region of interest in metres."),
+    option("--prefer", type=click.Choice(["cost", "cage"]), help="Best first by cost, or by what a cage forgives."),
+    option("--require", type=click.Choice(["cage"]), help="Keep only grasps that cage the object."),
+    option("--closing", type=click.Choice(["inward", "outward"]), help="Which way the fingers close in a cage."),
+    option(
         "--robot",
         metavar="NAME|FILE",
         shell_complete=complete_profile("robot"),
         help="Robot profile: keep only grasps that it reaches, with joint angles.",
     ),
-    click.option(
+    option(
         "--camera-pose",
         metavar="FILE|X,Y,Z,QX,QY,QZ,QW",
         help="Pose of the cloud's frame in the base frame, in which all answers are then given.",
     ),
-    click.option(
+    option(
         "--base-frame",
         metavar="NAME",
         help="Give all answers in this frame: that of the camera pose, or one of the recording's own; the robot's if "
         "there is one.",
     ),
-    click.option("--topic", metavar="NAME", help="Topic of a recording; the only one with clouds if not given."),
-    click.option("--start", metavar="TIME", help="From this time on: seconds from the start, or ISO 8601."),
-    click.option("--end", metavar="TIME", help="Before this time."),
-    click.option("--at", metavar="TIME", help="Only the first frame at or after this time."),
-    click.option("--every", metavar="N|SECONDSs", help="Every N-th frame (5), or one frame a period (0.5s)."),
-    click.option("--count", type=click.IntRange(min=1), metavar="N", help="At most so many frames of each recording."),
-    click.option("--strict", is_flag=True, help="The first damage in a recording is an error, not a warning."),
+    option("--topic", metavar="NAME", help="Topic of a recording; the only one with clouds if not given."),
+    option("--start", metavar="TIME", help="From this time on: seconds from the start, or ISO 8601."),
+    option("--end", metavar="TIME", help="Before this time."),
+    option("--at", metavar="TIME", help="Only the first frame at or after this time."),
+    option("--every", metavar="N|SECONDSs", help="Every N-th frame (5), or one frame a period (0.5s)."),
+    option("--count", type=click.IntRange(min=1), metavar="N", help="At most so many frames of each recording."),
+    option("--strict", is_flag=True, help="The first damage in a recording is an error, not a warning."),
     *IMAGE_OPTIONS,
-    click.option(
+    option(
         "--scale",
         type=float,
         callback=positive,
@@ -104,7 +104,7 @@ OPTIONS = (
         show_default=True,
         help="Metres in one unit of the source; 0.001 for millimetres.",
     ),
-    click.option(
+    option(
         "--top",
         type=click.IntRange(min=1),
         default=10,
@@ -112,12 +112,14 @@ OPTIONS = (
         metavar="K",
         help="How many grasps to keep, best first.",
     ),
+    config_option,
+    option("--verbose", "-v", is_flag=True, help="Say where each option's value comes from."),
 )
 NAMES = (
     *(
         "gripper",
         "method",
-        "overrides",
+        "given",
         "scene",
         "select",
         "up",
@@ -143,6 +145,7 @@ NAMES = (
         "depth_axes",
         "scale",
         "top",
+        "verbose",
     ),
 )
 
@@ -155,15 +158,15 @@ def planning_options(command: Callable[..., Any]) -> Callable[..., Any]:
         chosen = {name: options.pop(name) for name in NAMES}
         return command(job=_job(**chosen), **options)
 
-    for option in reversed(OPTIONS):
-        with_job = option(with_job)
+    for each in reversed(OPTIONS):
+        with_job = each(with_job)
     return with_job
 
 
 def _job(
     gripper: str,
     method: str,
-    overrides: tuple[str, ...],
+    given: tuple[str, ...],
     scene: str | None,
     select: str | None,
     up: str | None,
@@ -177,6 +180,7 @@ def _job(
     base_frame: str | None,
     scale: float,
     top: int,
+    verbose: bool,
     **frames: Any,
 ) -> Job:
     from flatgrasp_cli.job import Job
@@ -184,13 +188,23 @@ def _job(
     from flatgrasp_cli.profiles import load_gripper, load_settings
     from flatgrasp_cli.sensor.statement import parse_sensor
 
-    asked = {"scene.mode": scene, "scene.select": _list(select), "scene.up": _list(up), "scene.crop": _list(crop)}
-    asked |= {"caging.prefer": prefer, "caging.closing": closing, "caging.require": "true" if require else None}
-    shortcuts = tuple(f"{key}={value}" for key, value in asked.items() if value is not None)
+    asked = {
+        "scene": f"scene.mode={scene}" if scene else None,
+        "select": select if select is None else f"scene.select={_list(select)}",
+        "up": up if up is None else f"scene.up={_list(up)}",
+        "crop": crop if crop is None else f"scene.crop={_list(crop)}",
+        "prefer": f"caging.prefer={prefer}" if prefer else None,
+        "closing": f"caging.closing={closing}" if closing else None,
+        "require": "caging.require=true" if require else None,
+    }
+    context = click.get_current_context()
+    settings = overrides(context, {name: text for name, text in asked.items() if text is not None}, given)
+    if verbose:
+        tell(context, settings)
     stated = None if sensor is None else parse_sensor(sensor)
     return Job(
         gripper=load_gripper(gripper),
-        settings=load_settings(method, (*shortcuts, *overrides)),
+        settings=load_settings(method, tuple(each.text for each in settings)),
         mounting=mounting(robot, camera_pose, base_frame),
         selection=replace(_selection(**frames), sensor_frame=stated if isinstance(stated, str) else None),
         sensor=None if isinstance(stated, str) else stated,
@@ -199,10 +213,8 @@ def _job(
     )
 
 
-def _list(text: str | None) -> str | None:
+def _list(text: str) -> str:
     """Turn "a,b,c" into the YAML list that a setting of several numbers wants; a word as it is."""
-    if text is None:
-        return None
     return f"[{text}]" if "," in text else text or "''"  # an empty word is no null
 
 

@@ -21,12 +21,16 @@ class Stage:
 
 @dataclass(frozen=True, slots=True)
 class Rejection:
-    """Why there is no grasp: the stage that removed the last candidate, and the nearest miss in numbers."""
+    """Why there is no grasp: the stage that removed the last candidate, and the nearest miss in numbers.
+
+    `cause` tells apart, by a stable word, what else may stop the hand at a stage.
+    """
 
     stage: str
     reason: str
     value: float | None = None
     limit: float | None = None
+    cause: str | None = None
 
 
 @dataclass(slots=True, eq=False)

@@ -6,16 +6,16 @@ lies over their footprint, above their end. A map of the highest points answers 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
-from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
+from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.geometry.lines import fitted_lines
-from flatgrasp_cli.geometry.polygon import dot, left_normal
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates
-from flatgrasp_cli.planner.funnel import Funnel
+from flatgrasp_cli.planner.below import fingers_meet, palm_meets, too_low, under_fingers, under_palm
+from flatgrasp_cli.planner.funnel import Funnel, Miss
 from flatgrasp_cli.planner.hand import Fit, centers, openings
 from flatgrasp_cli.planner.slices import lowest_tip
 from flatgrasp_cli.planner.view import View
@@ -34,11 +34,7 @@ MIN_GRIP_SHARE = 0.5
 FLANK_OUTWARD_M = np.array([0.002, 0.003, 0.004])
 ALONG_PAD = np.array([-0.4, -0.2, 0.0, 0.2, 0.4])
 """Places along a pad, in widths of it."""
-AT_CONTACT_M = 0.005
-"""So near to the pad what is seen may be the object that it rests on."""
 MARGINS = 4
-MAX_PAIRS = 200_000
-"""Hands × cells worked on at once: as much as stays in a processor's cache."""
 LOWER_M = 0.001
 """A smaller opening must let the fingertips down by more than this to be chosen."""
 
@@ -144,7 +140,8 @@ def land(
     gripper, settings = hand
     depth = settings.depth
     margins = _margins(fit, gripper, settings)
-    below, unseen = _under_fingers(fingers, pairs, fit, margins, (terrain, gripper, settings.hand.clearance_m))
+    clear_m = settings.hand.clearance_m
+    below, unseen = under_fingers(fingers, pairs, fit, margins, (terrain, gripper, clear_m))
     walls, seen, flanks = _walls(fingers, terrain, settings.balance.friction_with(gripper))
     wall = np.minimum(walls[pairs.i], walls[pairs.j])
     firm = wall - np.minimum(flanks[pairs.i], flanks[pairs.j])  # between two it slips; a slanted wall has but one
@@ -152,7 +149,7 @@ def land(
     lowest = np.minimum(terrain.lowest_m, lowest_tip(firm, depth))
     lowest = np.maximum(lowest, terrain.level_m - depth.slice_step_m)  # what is deeper is a lower slice's
     headroom = gripper.finger_length_m - depth.palm_clearance_m
-    palm = _under_palm(centers(fingers, pairs, fit), pairs.axis, terrain.whole, lowest.min() + headroom, gripper)
+    palm = under_palm(centers(fingers, pairs, fit), pairs.axis, terrain.whole, lowest.min() + headroom, gripper)
     clearance = np.where(below > terrain.lowest_m, depth.obstacle_clearance_m, depth.min_clearance_m)
     met = np.where(below > terrain.ground_m, below + clearance, -np.inf)  # what is no higher is the plane's own ripple
     met = np.maximum(met, palm - headroom)
@@ -164,11 +161,15 @@ def land(
     touch = np.clip(np.maximum(seen[pairs.i], seen[pairs.j]), tip, np.maximum(wall, tip))
     landing = Landing(fit.width + 2 * margin, tip, wall - tip, margin, unseen[choice, columns], touch)
 
-    def miss(value: float) -> str:
-        return (
-            f"the pads would end {1e3 * value:.1f} mm too high to grip: what lies below fingers or palm keeps them up, "
-            "or the object is too low or too slanted"
-        )
+    def miss(value: float) -> Miss:
+        nearest = int(np.argmin(need - (firm - tip)))
+        if firm[nearest] - lowest[nearest] < need[nearest]:
+            return too_low(float(firm[nearest] - lowest[nearest]), float(need[nearest]))
+        if palm[nearest] - headroom >= tip[nearest]:
+            return palm_meets(value, float(palm[nearest]), gripper)
+        one, world = np.array([nearest]), (replace(terrain, fine=terrain.rest), gripper, clear_m)
+        alone, _ = under_fingers(fingers, pairs.select(one), fit.select(one), margins[:, one], world)
+        return fingers_meet(value, float(below[choice[nearest], nearest]), float(alone[choice[nearest], 0]))
 
     kept = funnel.at_most("depth", pairs, need - (firm - tip), 0.0, miss)
     if depth.unseen == "refuse":
@@ -185,66 +186,3 @@ def _margins(fit: Fit, gripper: Gripper, settings: PlannerSettings) -> FloatArra
     most = np.minimum(np.minimum(room, settings.hand.preshape_m), 0.5 * (gripper.max_opening_m - fit.width))
     least = np.minimum(settings.hand.clearance_m, most)
     return np.asarray(most + np.linspace(0.0, 1.0, MARGINS)[:, None] * (least - most))
-
-
-def _under_fingers(
-    fingers: FingerCandidates,
-    pairs: GraspCandidates,
-    fit: Fit,
-    margins: FloatArray,
-    world: tuple[Terrain, Gripper, float],
-) -> tuple[FloatArray, FloatArray]:
-    """Highest point, and length that no ray reached, (MARGINS, p) below fingers that come that far from the pads."""
-    terrain, gripper, clearance_m = world
-    cell = terrain.rest.cell_m
-    out = np.arange(0.5 * cell, float(margins.max()) + gripper.finger_thickness_m + cell, cell)
-    at_contact = np.searchsorted(out, AT_CONTACT_M)
-    middle, across = centers(fingers, pairs, fit), left_normal(pairs.axis)
-    reach = np.ceil((margins + gripper.finger_thickness_m) / cell).astype(np.intp) - 1
-    reach = np.maximum(np.minimum(reach, len(out) - 1), 0)
-    columns = np.arange(len(pairs))
-    highest, hidden = np.full(margins.shape, UNSEEN), np.zeros(margins.shape)
-    across_finger = _steps(gripper.finger_width_m + 2 * clearance_m, cell)
-    for side, sign in ((0, -1.0), (1, 1.0)):
-        x = np.concatenate([offset + across_finger for offset in gripper.jaws[side]])
-        begin = middle + (sign * 0.5 * fit.width)[:, None] * pairs.axis
-        x_of, y_of = (
-            (begin[:, k] + x[:, None] * across[:, k]).astype(np.float32)
-            + (sign * out[:, None] * pairs.axis[:, k]).astype(np.float32)[:, None]
-            for k in (0, 1)
-        )
-        cells = terrain.rest.cells(x_of, y_of)  # (out, across, p)
-        heights = np.concatenate(
-            [terrain.rest.heights.take(cells[:at_contact]), terrain.fine.heights.take(cells[at_contact:])]
-        )
-        most = np.maximum.accumulate(heights.max(axis=1), axis=0)
-        dark = np.cumsum(np.add.reduce(heights == UNSEEN, axis=1, dtype=np.uint16), axis=0) * (cell / len(x))
-        highest = np.maximum(highest, most[reach, columns])
-        hidden += dark[reach, columns]
-    return highest, hidden
-
-
-def _under_palm(middle: FloatArray, axis: FloatArray, chart: HeightMap, least_m: float, gripper: Gripper) -> FloatArray:
-    """Highest point (p,) below the palm where that is higher than `least_m`: what is lower is not in its way."""
-    highest = np.full(len(middle), UNSEEN)
-    reach = 0.5 * np.array([gripper.hand_width_m, gripper.palm_m]) + 0.5 * chart.cell_m
-    tall = chart.higher_than(least_m)
-    x, y, _ = tall.T
-    (left, low), (right, high) = middle.min(axis=0) - reach.sum(), middle.max(axis=0) + reach.sum()
-    tall = tall[(x > left) & (x < right) & (y > low) & (y < high)]
-    tall = tall[np.argsort(-tall[:, 2], kind="stable")]
-    if len(tall) == 0:
-        return highest  # fingers longer than anything here is high
-    across = left_normal(axis)
-    for first in range(0, len(middle), size := max(1, MAX_PAIRS // len(tall))):
-        part = slice(first, first + size)
-        x = across[part] @ tall[:, :2].T - dot(across[part], middle[part])[:, None]
-        y = axis[part] @ tall[:, :2].T - dot(axis[part], middle[part])[:, None]
-        inside = (np.abs(x) <= reach[0]) & (np.abs(y) <= reach[1])
-        highest[part] = np.where(inside.any(axis=1), tall[inside.argmax(axis=1), 2], UNSEEN)
-    return highest
-
-
-def _steps(size: float, cell_m: float) -> FloatArray:
-    """Places from −size/2 to size/2 no more than a cell apart."""
-    return np.linspace(-0.5 * size, 0.5 * size, max(2, int(np.ceil(size / cell_m)) + 1))

@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.model import GraspCandidates, Rejection, Stage
+
+
+class Miss(NamedTuple):
+    """Why a stage kept nothing, in words, and by a stable one where there are several causes."""
+
+    reason: str
+    cause: str
 
 
 class NothingLeft(Exception):  # noqa: N818 (an ending, not an error)
@@ -37,7 +45,7 @@ class Funnel:
         return NothingLeft(Rejection(stage, reason))
 
     def at_most(
-        self, stage: str, pairs: GraspCandidates, values: FloatArray, limit: float, miss: Callable[[float], str]
+        self, stage: str, pairs: GraspCandidates, values: FloatArray, limit: float, miss: Callable[[float], str | Miss]
     ) -> IntArray:
         """Indices of the pairs whose `values` (p,) are at most `limit`; `miss` words the nearest value beyond it."""
         kept = np.flatnonzero(values <= limit)
@@ -46,5 +54,7 @@ class Funnel:
         if len(kept) == 0:
             nearest = float(values.min())
             finite = nearest if np.isfinite(nearest) else None
-            raise NothingLeft(Rejection(stage, miss(nearest), finite, float(limit)))
+            words = miss(nearest)
+            reason, cause = words if isinstance(words, Miss) else (words, None)
+            raise NothingLeft(Rejection(stage, reason, finite, float(limit), cause))
         return kept

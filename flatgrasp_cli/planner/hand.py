@@ -123,13 +123,13 @@ def operable(
     # B.3 judged by each candidate's own stretch of boundary; the exact width may still differ.
     fits = (fit.width >= gripper.min_opening_m) & (fit.width <= gripper.max_opening_m - 2 * settings.clearance_m)
     shortage = np.where(fits, need - fit.room.min(axis=0), np.inf)
-    kept = funnel.at_most(
-        "operability",
-        pairs,
-        shortage,
-        0.0,
-        lambda value: f"most room behind a pad {max(need - value, 0.0):.3f} m, the finger needs {need:.3f} m",
-    )
+
+    def miss(value: float) -> str:
+        if not np.isfinite(value):
+            return f"between the pads every pair is wider than the gripper opens, {gripper.max_opening_m:.3f} m"
+        return f"most room behind a pad {max(need - value, 0.0):.3f} m, the finger needs {need:.3f} m"
+
+    kept = funnel.at_most("operability", pairs, shortage, 0.0, miss)
     return pairs.select(kept), fit.select(kept)
 
 

@@ -50,7 +50,7 @@ def plan_object(cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings,
         cloud = replace(cloud, points=without_strays(cloud.points, settings.silhouette))
     box = oriented_box(cloud.points, cloud.toward, settings.main_plane.method, cloud.support)
     if box is None:
-        return _nothing(cloud, "main_plane", _no_plane(cloud.points))
+        return _nothing(cloud, "main_plane", _no_plane(cloud.points, settings.scene.crop is not None))
     parts = (
         [Part(box, box.frame, cloud.points)] if cloud.support is None else sliced(cloud, box, cloud.support, settings)
     )
@@ -223,7 +223,9 @@ def _grasps(
     )
 
 
-def _no_plane(points: FloatArray) -> str:
+def _no_plane(points: FloatArray, cropped: bool) -> str:
+    if len(points) == 0 and cropped:
+        return "no point lies in the region of interest"
     if len(points) == 0:
         return "no point of the cloud was measured: all are invalid, 0 0 0, or farther than 10 km from the origin"
     distinct = len(np.unique(points, axis=0))

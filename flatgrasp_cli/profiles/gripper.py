@@ -9,6 +9,8 @@ from pydantic import Field, model_validator
 from flatgrasp_cli.profiles.base import Length, Place, Profile, Size, Turn
 
 Offsets = Annotated[tuple[Place, ...], Field(min_length=1, max_length=10)]
+MOTIONS = {"parallel": "two parallel fingers", "arc": "two fingers on an arc", "underactuated": "two adaptive fingers"}
+JAWS = {1: "thumb", 2: "finger pair"}
 LEAST_STROKE_M = 1e-3
 """Fingers that move less between open and closed grasp nothing: recorded points scatter as much."""
 
@@ -69,6 +71,15 @@ class Gripper(Profile):
                 f"{self.min_opening_m} at least"
             )
         return self
+
+    @property
+    def description(self) -> str:
+        """The name and the jaws in words, for people: "lacquey: thumb and finger pair"."""
+        counts = sorted(len(jaw) for jaw in self.jaws)
+        if counts == [1, 1]:
+            return f"{self.name}: {MOTIONS[self.kind]}"
+        few, many = (JAWS.get(count, f"{count} fingers") for count in counts)
+        return f"{self.name}: {few} and {many}"
 
     def jaw_width_m(self, jaw: int) -> float:
         """Width of a jaw from the outer edge of its first finger to that of its last."""

@@ -44,7 +44,7 @@ def profile_path(kind: str, name_or_path: str) -> Path:
     known = list_profiles(kind)
     if name_or_path not in known:
         raise ProfileError(
-            f"no {kind} profile named {name_or_path!r}{_suggest(name_or_path, known)}\n"
+            f"no {kind} profile named {name_or_path!r}{suggestion(name_or_path, known)}\n"
             f"known: {_names(kind)}; or give the path of your own .yaml file"
         )
     return configs_dir() / FOLDERS[kind] / f"{name_or_path}.yaml"
@@ -83,13 +83,13 @@ def load_camera_pose(text: str) -> CameraPose:
         return _validate(CameraPose, data, Path("camera pose"))
     if not Path(text).is_file():
         raise ProfileError(f"camera pose {text!r} is neither a file nor seven numbers x,y,z,qx,qy,qz,qw")
-    return _validate(CameraPose, _read_yaml(Path(text)), Path(text))
+    return _validate(CameraPose, read_yaml(Path(text)), Path(text))
 
 
 def load_settings(name_or_path: str = "default", overrides: tuple[str, ...] = ()) -> PlannerSettings:
     """Load planner settings by name or by path, then apply `overrides` such as "fingers.step_m=0.004"."""
     path = profile_path("planner", name_or_path)
-    data = _extended(_read_yaml(path), path)
+    data = _extended(read_yaml(path), path)
     for override in overrides:
         _apply(data, override)
     return _validate(PlannerSettings, data, path, "; ".join(f"--set {text}" for text in overrides))
@@ -97,7 +97,7 @@ def load_settings(name_or_path: str = "default", overrides: tuple[str, ...] = ()
 
 def load_profile(path: Path) -> Profile:
     """Load a profile of any kind; its own `profile:` key says which."""
-    data = _extended(_read_yaml(path), path)
+    data = _extended(read_yaml(path), path)
     return _validate(MODELS[_kind_of(data, path)], data, path)
 
 
@@ -112,24 +112,33 @@ def _kind_of(data: dict[str, Any], path: Path) -> str:
 
 def _load(model: type[P], kind: str, name_or_path: str) -> P:
     path = profile_path(kind, name_or_path)
-    return _validate(model, _read_yaml(path), path)
+    return _validate(model, read_yaml(path), path)
 
 
-def _read_yaml(path: Path) -> dict[str, Any]:
+def read_yaml(path: Path, kind: str = "profile") -> dict[str, Any]:
+    """The `key: value` lines of a YAML file that is no larger than people write.
+
+    Raises
+    ------
+    ProfileError
+        If it cannot be read, is no strict YAML, or holds something else; `kind` is what it is called then.
+    """
     try:
         with path.open("rb") as file:  # what a device or a pipe holds has no size to ask for
             content = file.read(MAX_BYTES + 1)
         if len(content) > MAX_BYTES:
-            raise ProfileError(f"{path}: more than {MAX_BYTES} bytes are too many for a profile")
+            raise ProfileError(f"{path}: more than {MAX_BYTES} bytes are too many for a {kind}")
         data = parsed(content.decode("utf-8-sig"))
     except OSError as error:
-        raise ProfileError(f"{path}: cannot read the profile: {error.strerror}") from error
+        raise ProfileError(f"{path}: cannot read the {kind}: {error.strerror}") from error
     except UnicodeDecodeError as error:
         raise ProfileError(f"{path}: not a text file in UTF-8 (byte {error.start})") from error
     except NotYamlError as error:
         raise ProfileError(f"{path}{error.place}: not valid YAML: {error}") from error
+    if data is None:  # empty, or nothing but comments
+        return {}
     if not isinstance(data, dict):
-        raise ProfileError(f"{path}: a profile is a list of `key: value` lines, this is {type(data).__name__}")
+        raise ProfileError(f"{path}: a {kind} is a list of `key: value` lines, this is {type(data).__name__}")
     return data
 
 
@@ -143,7 +152,7 @@ def _extended(data: dict[str, Any], path: Path) -> dict[str, Any]:
         raise ProfileError(
             f"{path}: extends: {reprlib.repr(name)} is no shipped profile; use one of {_names('planner')}"
         )
-    base = _read_yaml(profile_path("planner", name))
+    base = read_yaml(profile_path("planner", name))
     if "extends" in base:
         raise ProfileError(f"{path}: extends: {name!r} extends another profile itself; extend that one")
     return _merged(base, own)
@@ -187,7 +196,7 @@ def _validate(model: type[P], data: dict[str, Any], path: Path, overrides: str =
 
 def problems_in(path: Path) -> list[str]:
     """Every fault of a profile, a line each; empty when it is sound. Raises `ProfileError` when it is no profile."""
-    data = _extended(_read_yaml(path), path)
+    data = _extended(read_yaml(path), path)
     model = MODELS[_kind_of(data, path)]
     try:
         model.model_validate(data)
@@ -202,7 +211,7 @@ def _explain(model: type[BaseModel], problem: Any) -> str:
     key, value = ".".join(str(part) for part in problem["loc"]), problem["input"]
     if problem["type"] == "extra_forbidden":
         allowed = [name for name in _fields_at(model, where[:-1]) if name != "profile"]
-        return f"{key}: unknown key{_suggest(where[-1], allowed)} (allowed: {', '.join(allowed)})"
+        return f"{key}: unknown key{suggestion(where[-1], allowed)} (allowed: {', '.join(allowed)})"
     if problem["type"] == "missing":
         return f"{key}: missing"
     text = problem["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
@@ -222,6 +231,7 @@ def _names(kind: str) -> str:
     return ", ".join(list_profiles(kind))
 
 
-def _suggest(word: str, known: list[str]) -> str:
+def suggestion(word: str, known: list[str]) -> str:
+    """Words that name the known word nearest to an unknown one; empty when none is near."""
     near = difflib.get_close_matches(word, known, n=1)
     return f"; did you mean {near[0]!r}?" if near else ""

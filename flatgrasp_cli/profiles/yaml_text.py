@@ -43,7 +43,7 @@ def _check_structure(text: str) -> None:
     depth = 0
     for event in yaml.parse(text, Loader=_Base):
         if isinstance(event, yaml.AliasEvent):
-            raise NotYamlError("a profile has no aliases", event.start_mark)
+            raise NotYamlError("aliases are not allowed", event.start_mark)
         depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
         if depth > MAX_DEPTH:
             raise NotYamlError(f"nested more than {MAX_DEPTH} levels deep", event.start_mark)

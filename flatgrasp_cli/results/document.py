@@ -50,6 +50,7 @@ from flatgrasp_cli.results.contracts import (
     TimingPart,
     WarningPart,
 )
+from flatgrasp_cli.results.remedies import remedy_of
 
 DECIMALS = 9
 """A nanometre, and well below what a double holds of a scene's coordinates."""
@@ -70,6 +71,7 @@ def to_document(plan: Plan, read_ms: float = 0.0) -> dict[str, Any]:
         schema=SCHEMA_ID,
         status="ok" if plan.best is not None else "no_grasp",
         reason=plan.reason,
+        remedy=None if plan.best else remedy_of(plan, plan.objects[0] if plan.objects else None),
         source=SourcePart(
             path=source.path,
             topic=source.topic,
@@ -125,6 +127,7 @@ def _object(item: ObjectPlan, plan: Plan) -> ObjectPart:
         points=len(item.object.points),
         status="ok" if item.grasps else "no_grasp",
         reason=rejection.reason if rejection else None,
+        remedy=remedy_of(plan, item),
         nearest_miss=rejection
         and MissPart(stage=rejection.stage, value=_number(rejection.value), limit=_number(rejection.limit)),
         obb=box and _box(box),

@@ -21,6 +21,8 @@ LARGEST_EXTENT_M = 20.0
 UPRIGHT_SHARE = 0.2
 """How much the way to the sensor counts beside the way up: it decides where the main plane stands within 11° (the
 arcus tangent) of upright, and has no upper side."""
+NO_PLANE = "no support plane was found"
+NOTHING_STANDS = "nothing stands on the support plane"
 SAMPLE, STRAY_SHARE = 2000, 0.02
 SIGMAS, LEAST_BELOW_M, MOST_BELOW_M = 3.0, 0.010, 0.1
 BELOW_SHARE = 0.03
@@ -44,12 +46,12 @@ def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
     plane = find_support_plane(cloud.points, sensor, settings, seed)
     clusters = find_clusters(cloud.points, plane, settings) if plane is not None else None
     if plane is None or clusters is None:
-        return alone if settings.mode == "auto" else Scene(None, (), cloud.points, "no support plane was found")
+        return alone if settings.mode == "auto" else Scene(None, (), cloud.points, NO_PLANE)
     small = clusters.extent_m <= settings.max_size_m
     if settings.mode == "auto" and small and (not clusters.lie_on_table or _goes_on_below(cloud.points, plane)):
         return alone
     objects = _objects(cloud, sensor, plane, clusters)
-    reason = None if objects else "nothing stands on the support plane"
+    reason = None if objects else NOTHING_STANDS
     return Scene(plane, selected(objects, settings.select, sensor), cloud.points[clusters.clutter], reason)
 
 
@@ -63,10 +65,7 @@ def _too_large(points: FloatArray) -> str | None:
     x, y, z = (high - low).tolist()
     if max(x, y, z) <= LARGEST_EXTENT_M:
         return None
-    return (
-        f"the cloud is {x:.0f} × {y:.0f} × {z:.0f} m, no view of objects for a gripper: choose a region with --crop, "
-        "or, if it is in millimetres, give --scale 0.001"
-    )
+    return f"the cloud is {x:.0f} × {y:.0f} × {z:.0f} m, no view of objects for a gripper"
 
 
 def _goes_on_below(points: FloatArray, plane: SupportPlane) -> bool:

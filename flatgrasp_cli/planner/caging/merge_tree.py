@@ -57,9 +57,6 @@ def basins(land: Landscape) -> Basins:
 
     What is left out this way are links that flooding has joined already when it reaches them.
     """
-    from scipy.sparse import csr_matrix
-    from scipy.sparse.csgraph import connected_components
-
     n = len(land.birth)
     i, j = np.triu_indices(n)
     node = np.empty((n, n), dtype=np.intp)
@@ -71,12 +68,28 @@ def basins(land: Landscape) -> Basins:
     here = np.arange(len(i))
     drains = levels[lowest, here] <= birth
     ways = np.where(drains, neighbours[lowest, here], here)  # one out of each node
-    graph = csr_matrix((np.ones(len(i)), ways, np.arange(len(i) + 1)), shape=(len(i), len(i)))
-    count, label = connected_components(graph, directed=False)
+    label = _components(ways)
+    count = int(label.max()) + 1
     bottom = np.full(count, np.inf)
     np.minimum.at(bottom, label, birth)
     ends = np.broadcast_to(label, (2, len(label)))
     return Basins(label[node], bottom, _lowest(label[neighbours[:2]], ends, levels[:2], count))
+
+
+def _components(ways: IntArray) -> IntArray:
+    """Numbers (k,) from 0, in order of appearance, of the connected parts of a graph with one way out of each node.
+
+    Each node leads into one cycle, whose least node names the part. scipy.sparse.csgraph does the same, but importing
+    it takes longer than planning a grasp.
+    """
+    ahead, least = ways, np.arange(len(ways))
+    for _ in range(len(ways).bit_length()):  # twice as far each time: to the cycle, and around it
+        least = np.minimum(least, least[ahead])
+        ahead = ahead[ahead]
+    _, first, label = np.unique(least[ahead], return_index=True, return_inverse=True)
+    rank = np.empty(len(first), dtype=np.intp)
+    rank[np.argsort(first)] = np.arange(len(first))
+    return rank[label]
 
 
 def _lowest(a: IntArray, b: IntArray, level: FloatArray, count: int) -> Links:

@@ -98,6 +98,8 @@ class ObjectPart(Part):
     """Whether it has a grasp."""
     reason: str | None
     """Why it has none."""
+    remedy: str | None
+    """What would help, where that is known."""
     nearest_miss: MissPart | None
     """By how much it has none; null when it has one."""
     obb: BoxPart | None

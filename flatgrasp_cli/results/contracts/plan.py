@@ -86,6 +86,8 @@ class Document(Part):
     """Whether there is a grasp."""
     reason: str | None
     """Why there is none."""
+    remedy: str | None
+    """What would help, where that is known."""
     source: SourcePart
     """The frame that was planned on."""
     sensor: SensorPart

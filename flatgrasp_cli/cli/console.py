@@ -1,0 +1,43 @@
+"""Tables and text for people: as wide as the terminal; in a pipe 80 columns, or as many as COLUMNS says."""
+
+from __future__ import annotations
+
+import shutil
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+    from rich.table import Table
+
+COLUMNS, LINES = 80, 24
+
+
+def show(*parts: RenderableType) -> None:
+    """Print text and tables to stdout: text is wrapped between words, columns of numbers (`no_wrap`) never."""
+    from rich.console import Console
+    from rich.table import Table
+
+    width = shutil.get_terminal_size((COLUMNS, LINES)).columns
+    console = Console(width=width, highlight=False)
+    with console.capture() as text:  # rich would end the process with 1 when the reader of a pipe leaves
+        for part in parts:
+            console.width = max(width, _keep_numbers_whole(part)) if isinstance(part, Table) else width
+            console.print(part)
+    lines = text.get().splitlines()
+    click.echo("\n".join(line.rstrip() for line in lines))
+
+
+def _keep_numbers_whole(table: Table) -> int:
+    """Give the columns of numbers the width of their longest; returns the width that the table needs at least."""
+    from rich.cells import cell_len
+    from rich.console import Console
+    from rich.measure import Measurement
+
+    for column in table.columns:
+        if column.no_wrap:
+            lines = [line for cell in (column.header, *column.cells) for line in str(cell).splitlines()]
+            column.min_width = max(map(cell_len, lines), default=0)
+    wide = Console(width=10_000)
+    return Measurement.get(wide, wide.options, table).minimum

@@ -1,0 +1,117 @@
+"""Beyond the paper: what lies below the fingers and the palm of hands that come straight down."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
+from flatgrasp_cli.geometry.polygon import dot, left_normal
+from flatgrasp_cli.model import FingerCandidates, GraspCandidates
+from flatgrasp_cli.planner.funnel import Miss
+from flatgrasp_cli.planner.hand import Fit, centers
+from flatgrasp_cli.profiles.gripper import Gripper
+
+if TYPE_CHECKING:
+    from flatgrasp_cli.planner.depth import Terrain
+
+AT_CONTACT_M = 0.005
+"""So near to the pad what is seen may be the object that it rests on."""
+MAX_PAIRS = 200_000
+"""Hands × cells worked on at once: as much as stays in a processor's cache."""
+SAME_M = 0.001
+"""What lies this much lower without the object's own points is the object itself."""
+
+
+def under_fingers(
+    fingers: FingerCandidates,
+    pairs: GraspCandidates,
+    fit: Fit,
+    margins: FloatArray,
+    world: tuple[Terrain, Gripper, float],
+) -> tuple[FloatArray, FloatArray]:
+    """Highest point, and length that no ray reached, (MARGINS, p) below fingers that come that far from the pads."""
+    terrain, gripper, clearance_m = world
+    cell = terrain.rest.cell_m
+    out = np.arange(0.5 * cell, float(margins.max()) + gripper.finger_thickness_m + cell, cell)
+    at_contact = np.searchsorted(out, AT_CONTACT_M)
+    middle, across = centers(fingers, pairs, fit), left_normal(pairs.axis)
+    reach = np.ceil((margins + gripper.finger_thickness_m) / cell).astype(np.intp) - 1
+    reach = np.maximum(np.minimum(reach, len(out) - 1), 0)
+    columns = np.arange(len(pairs))
+    highest, hidden = np.full(margins.shape, UNSEEN), np.zeros(margins.shape)
+    across_finger = _steps(gripper.finger_width_m + 2 * clearance_m, cell)
+    for side, sign in ((0, -1.0), (1, 1.0)):
+        x = np.concatenate([offset + across_finger for offset in gripper.jaws[side]])
+        begin = middle + (sign * 0.5 * fit.width)[:, None] * pairs.axis
+        x_of, y_of = (
+            (begin[:, k] + x[:, None] * across[:, k]).astype(np.float32)
+            + (sign * out[:, None] * pairs.axis[:, k]).astype(np.float32)[:, None]
+            for k in (0, 1)
+        )
+        cells = terrain.rest.cells(x_of, y_of)  # (out, across, p)
+        heights = np.concatenate(
+            [terrain.rest.heights.take(cells[:at_contact]), terrain.fine.heights.take(cells[at_contact:])]
+        )
+        most = np.maximum.accumulate(heights.max(axis=1), axis=0)
+        dark = np.cumsum(np.add.reduce(heights == UNSEEN, axis=1, dtype=np.uint16), axis=0) * (cell / len(x))
+        highest = np.maximum(highest, most[reach, columns])
+        hidden += dark[reach, columns]
+    return highest, hidden
+
+
+def under_palm(middle: FloatArray, axis: FloatArray, chart: HeightMap, least_m: float, gripper: Gripper) -> FloatArray:
+    """Highest point (p,) below the palm where that is higher than `least_m`: what is lower is not in its way."""
+    highest = np.full(len(middle), UNSEEN)
+    reach = 0.5 * np.array([gripper.hand_width_m, gripper.palm_m]) + 0.5 * chart.cell_m
+    tall = chart.higher_than(least_m)
+    x, y, _ = tall.T
+    (left, low), (right, high) = middle.min(axis=0) - reach.sum(), middle.max(axis=0) + reach.sum()
+    tall = tall[(x > left) & (x < right) & (y > low) & (y < high)]
+    tall = tall[np.argsort(-tall[:, 2], kind="stable")]
+    if len(tall) == 0:
+        return highest  # fingers longer than anything here is high
+    across = left_normal(axis)
+    for first in range(0, len(middle), size := max(1, MAX_PAIRS // len(tall))):
+        part = slice(first, first + size)
+        x = across[part] @ tall[:, :2].T - dot(across[part], middle[part])[:, None]
+        y = axis[part] @ tall[:, :2].T - dot(axis[part], middle[part])[:, None]
+        inside = (np.abs(x) <= reach[0]) & (np.abs(y) <= reach[1])
+        highest[part] = np.where(inside.any(axis=1), tall[inside.argmax(axis=1), 2], UNSEEN)
+    return highest
+
+
+def _steps(size: float, cell_m: float) -> FloatArray:
+    """Places from −size/2 to size/2 no more than a cell apart."""
+    return np.linspace(-0.5 * size, 0.5 * size, max(2, int(np.ceil(size / cell_m)) + 1))
+
+
+def too_low(upright_m: float, need_m: float) -> Miss:
+    """Said of pads that cannot hold enough, though nothing is in their way."""
+    return Miss(
+        f"the object is too low or too slanted: the pads find {1e3 * max(upright_m, 0.0):.1f} mm of upright side, "
+        f"{1e3 * need_m:.1f} mm are needed",
+        "low",
+    )
+
+
+def palm_meets(short_m: float, height_m: float, gripper: Gripper) -> Miss:
+    """Said of a palm that something high keeps up."""
+    return Miss(
+        f"the pads would end {1e3 * short_m:.1f} mm too high to grip: the palm comes down on what is "
+        f"{1e3 * height_m:.0f} mm high, fingers are {1e3 * gripper.finger_length_m:.0f} mm long",
+        "palm",
+    )
+
+
+def fingers_meet(short_m: float, height_m: float, others_m: float) -> Miss:
+    """Said of fingers that come down on what is `height_m` high, `others_m` without the object's own points."""
+    own = height_m - others_m > SAME_M
+    what = "the object itself, beside the pads" if own else "what stands beside it"
+    return Miss(
+        f"the pads would end {1e3 * short_m:.1f} mm too high to grip: the fingers come down on {what}, "
+        f"{1e3 * height_m:.1f} mm high",
+        "itself" if own else "neighbours",
+    )

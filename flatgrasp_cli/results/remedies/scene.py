@@ -1,0 +1,54 @@
+"""What would help where no object was found, or too little of one seen."""
+
+from __future__ import annotations
+
+from flatgrasp_cli.model import ObjectPlan, Rejection
+from flatgrasp_cli.planning import Plan
+from flatgrasp_cli.scene import NO_PLANE, NOTHING_STANDS
+
+OTHER_VIEW = "look from another side; if the cloud is merged from several views: --sensor none"
+
+
+def of_scene(plan: Plan) -> str | None:
+    """Where no object was found at all."""
+    scene, settings = plan.scene, plan.settings.scene
+    if scene.reason == NO_PLANE:
+        least = f"a plane needs {100 * settings.min_plane_share:.0f} % of the points"
+        return (
+            f"--scene object takes all for one object; {least} (--crop to the table), and --up X,Y,Z helps to find it"
+        )
+    if scene.reason != NOTHING_STANDS or scene.support is None:
+        return "choose a region with --crop; if the cloud is in millimetres: --scale 0.001" if scene.reason else None
+    others = "if the plane is part of the object: --scene object; if it is the wrong one: --up X,Y,Z"
+    if len(scene.clutter) == 0:
+        return f"nothing lower than {1e3 * settings.min_height_m:g} mm counts (--set scene.min_height_m); {others}"
+    highest = 1e3 * float(scene.support.heights(scene.clutter).max())
+    return (
+        f"{len(scene.clutter)} points up to {highest:.0f} mm above it belong to no object, which is "
+        f"{1e3 * settings.min_size_m:.0f} to {1e3 * settings.max_size_m:.0f} mm long (--set scene.min_size_m, "
+        f"scene.max_size_m) and not cut off at the plane's edge; {others}"
+    )
+
+
+def no_points(plan: Plan, item: ObjectPlan, _rejection: Rejection) -> str | None:
+    """Where the region of interest holds nothing: where the cloud is."""
+    if plan.settings.scene.crop is None or len(plan.cloud.points) == 0 or len(item.object.points) > 0:
+        return None
+    low, high = plan.cloud.points.min(axis=0), plan.cloud.points.max(axis=0)
+    spans = (f"{axis} {a:.3f} … {b:.3f}" for axis, a, b in zip("xyz", low.tolist(), high.tolist(), strict=True))
+    return f"nothing is left after --crop: the cloud spans {', '.join(spans)} m"
+
+
+def hanging(_plan: Plan, _item: ObjectPlan, _rejection: Rejection) -> str:
+    """Where only free space was seen below a small thing."""
+    return "a stereo camera sees such things where nothing is; if it is real: --sensor none"
+
+
+def other_view(_plan: Plan, _item: ObjectPlan, _rejection: Rejection) -> str:
+    """Where what was not seen decides."""
+    return OTHER_VIEW
+
+
+def unseen(_plan: Plan, _item: ObjectPlan, _rejection: Rejection) -> str:
+    """Where hidden ways are refused."""
+    return f"--set depth.unseen=rank lets hidden ways cost more instead; or {OTHER_VIEW}"
