@@ -1,0 +1,120 @@
+"""What tells where a drawing is: the frame's axes, the sensor, the robot's base."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.model import Sensor
+from flatgrasp_cli.planning import Plan
+from flatgrasp_cli.results.figures.labels import Label, free_corner
+from flatgrasp_cli.results.figures.style import BLACK, MM, SKY
+from flatgrasp_cli.results.figures.view import NAMES, View
+
+TRIAD_PX = 96.0
+ARROW_PX = 42.0
+"""Length of an axis that lies in the drawing."""
+FORESHORTENED = 0.25
+"""An axis that is drawn shorter than this share of its length is drawn as a sign: it comes out, or goes in."""
+INSET, ARROW_SHARE = 0.03, 0.1
+"""Of a panel: how far from its edge, and how long, an arrow is that tells of something outside."""
+HALO = {"boxstyle": "round,pad=0.1", "fc": "white", "ec": "none", "alpha": 0.8}
+IN_WORDS = {
+    "option": "as stated",
+    "projection": "found by the image's geometry",
+    "viewpoint": "the viewpoint that was stated",
+    "inverse_viewpoint": "the inverse of the viewpoint that was stated",
+    "frame": "the frame is its own",
+    "transforms": "by the recording's transforms",
+    "visibility": "found by what it can have seen",
+    "up": "only the way up is known",
+    "assumed": "assumed: nothing says where it was",
+    "all_sides": "seen from all sides",
+}
+
+
+def draw_triad(axes: Axes, view: View, frame_id: str, drawn: FloatArray) -> None:
+    """The frame's axes in a corner that is free."""
+    corner = np.array(free_corner(axes, drawn, TRIAD_PX))
+    size = np.array(axes.get_window_extent().size)
+    flat = view.frame.axes[:2].T  # a row for each axis of the frame
+    signs = np.linalg.norm(flat, axis=1) < FORESHORTENED
+    ends = np.where(signs[:, None], 0.0, ARROW_PX * flat)
+    extent = np.vstack([ends, np.zeros(2)])
+    room = 0.5 * TRIAD_PX - 0.5 * (extent.min(axis=0) + extent.max(axis=0))
+    origin = np.where(corner, size - TRIAD_PX, 0.0) + room
+    style: dict[str, Any] = {
+        "xycoords": "axes pixels",
+        "textcoords": "axes pixels",
+        "zorder": 11,
+        "annotation_clip": False,
+    }
+    for k, name in enumerate(NAMES):
+        if signs[k]:
+            sign = "⊙" if view.frame.axes[2, k] > 0 else "⊗"
+            aside = -14 * np.sign(ends.sum(axis=0) + 1e-9)
+            axes.annotate(sign, origin, origin, ha="center", va="center", fontsize=11, **style)
+            axes.annotate(name, origin, origin + aside, ha="center", va="center", fontsize=9, **style)
+            continue
+        tip = origin + ends[k]
+        axes.annotate(
+            "", tip, origin, arrowprops={"arrowstyle": "-|>", "color": BLACK, "lw": 1.2, "shrinkA": 0}, **style
+        )
+        beyond = tip + 9 * ends[k] / np.linalg.norm(ends[k])
+        axes.annotate(name, tip, beyond, ha="center", va="center", fontsize=9, **style)
+    label = f"x, y, z: axes of the frame {frame_id!r}"
+    axes.add_line(Line2D([], [], color=BLACK, marker=">", ms=5, lw=1.2, label=label))
+
+
+def draw_sensor(axes: Axes, view: View, plan: Plan) -> list[Label]:
+    """Where the sensor was and which way it looked, if that is known and can be drawn; with its label."""
+    sensor = plan.cloud.sensor
+    if sensor is None or sensor.position is None:
+        return []
+    name = "camera (assumed)" if sensor.known_from == "assumed" else "camera"
+    return [draw_place(axes, view.of_world(sensor.position[None])[0], name, "camera, and the way it looks")]
+
+
+def draw_base(axes: Axes, view: View, plan: Plan) -> list[Label]:
+    """Where the robot's base is; with its label."""
+    if plan.robot is None:
+        return []
+    origin = view.of_world(np.zeros((1, 3)))[0]
+    return [draw_place(axes, origin, f"base of {plan.robot.name}", "robot's base, and the way to the scene")]
+
+
+def draw_place(axes: Axes, place: FloatArray, name: str, meaning: str) -> Label:
+    """A place (2,), with an arrow to the drawing's middle; of one outside the arrow comes from that edge."""
+    low, high = np.column_stack([axes.get_xlim(), axes.get_ylim()])
+    middle, half = 0.5 * (low + high), (0.5 - INSET) * (high - low)
+    away = place - middle
+    share = float(np.abs(away / half).max())
+    start = place if share <= 1 else middle + away / share
+    way = middle - start
+    length = float(np.linalg.norm(way))
+    end = start + way * min(1.0, ARROW_SHARE * float((high - low).max()) / max(length, 1e-9))
+    color = SKY if "camera" in name else BLACK
+    arrow = {"arrowstyle": "-|>", "color": color, "lw": 2.0, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", tuple(end), tuple(start), arrowprops=arrow, zorder=8)
+    axes.plot(*start, "s", color=color, ms=7, zorder=8)
+    axes.add_line(Line2D([], [], color=color, marker="s", ms=6, lw=2.0, label=meaning))
+    return Label(name, np.linspace(start, end, 8), {"fontsize": 9, "color": color, "bbox": HALO})
+
+
+def sensor_in_words(plan: Plan, place: FloatArray, normal: FloatArray) -> str:
+    """Where the sensor was, seen from a `place` (3,) in a plane with a `normal` (3,), and how that is known."""
+    sensor = plan.cloud.sensor or Sensor("assumed")
+    known = IN_WORDS[sensor.known_from]
+    if sensor.position is None:
+        return (
+            known if sensor.sees_all_sides else f"its place is not known, and it is taken to have looked down ({known})"
+        )
+    away = sensor.toward(place)
+    distance = float(np.linalg.norm(away))
+    sine = float(away @ normal) / max(distance, 1e-9)
+    steep = float(np.degrees(np.arcsin(np.clip(sine, -1.0, 1.0))))
+    return f"{MM * distance:.0f} mm away, {steep:.0f}° above the drawing's plane ({known})"
