@@ -235,9 +235,9 @@ def measured(depth: Array, angle: Array, focal: float, rng: np.random.Generator)
 
 
 def write(path: Path, points: Array) -> None:
-    """Write points (n, 3) as a compressed PCD."""
+    """Write points (n, 3) as a plain binary PCD, which is read without Open3D."""
     cloud = o3d.t.geometry.PointCloud(o3d.core.Tensor(points.astype(np.float32)))
-    o3d.t.io.write_point_cloud(str(path), cloud, compressed=True)
+    o3d.t.io.write_point_cloud(str(path), cloud)
     print(f"{path.name}: {len(points)} points, {path.stat().st_size / 1000:.0f} kB")
 
 

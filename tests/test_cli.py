@@ -118,6 +118,16 @@ def test_plan_from_a_pipe_gives_the_same_and_loads_no_plotting(plate: Path, run:
     assert loaded.isdisjoint({"matplotlib", "open3d", "rich"})
 
 
+def test_no_sample_waits_for_open3d(tmp_path: Path) -> None:
+    samples = sorted(SAMPLES.glob("*.pcd"))
+    assert len(samples) == 9
+    assert all(b"\nDATA binary\n" in path.read_bytes()[:300] for path in samples)
+    command = [sys.executable, "-X", "importtime", *COMMAND[1:], "plan", SAMPLES / "juice_box.pcd", "--json"]
+    done = subprocess.run(command, capture_output=True, check=False, cwd=tmp_path, text=True)
+    assert done.returncode == 0
+    assert modules(done.stderr).isdisjoint({"matplotlib", "open3d", "rich"})
+
+
 def test_help_loads_nothing_heavy() -> None:
     done = subprocess.run(
         [sys.executable, "-X", "importtime", *COMMAND[1:], "--help"], capture_output=True, check=False, text=True
@@ -242,8 +252,8 @@ DEGENERATE: dict[str, tuple[FloatArray, str]] = {
     "line": (CROWD * [0.1, 0.0, 0.0], "line"),
     "slanted-line": (CROWD * [0.1, 0.07, -0.03] + 0.5, "line"),
     "duplicates": (np.full((500, 3), 0.25), "1 distinct point"),
-    "nan": (np.full((500, 3), np.nan), "no finite point"),
-    "inf": (np.full((500, 3), np.inf), "no finite point"),
+    "nan": (np.full((500, 3), np.nan), "no point of the cloud was measured"),
+    "inf": (np.full((500, 3), np.inf), "no point of the cloud was measured"),
 }
 
 

@@ -9,8 +9,11 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from flatgrasp_cli import read_clouds
+from flatgrasp_cli.open3d_door import load_open3d
 from tests.conftest import SAMPLES
 
 TELLS = """
@@ -69,9 +72,20 @@ def start(*arguments: str | Path, folder: Path, more: str = "") -> subprocess.Po
     return process
 
 
+@pytest.fixture(scope="module")
+def compressed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A scene that only Open3D can read."""
+    open3d = load_open3d()
+    (cloud,) = read_clouds(SAMPLES / "table_scene.pcd")
+    path = tmp_path_factory.mktemp("compressed") / "table_scene.pcd"
+    points = open3d.core.Tensor(cloud.points.astype(np.float32))
+    assert open3d.t.io.write_point_cloud(str(path), open3d.t.geometry.PointCloud(points), compressed=True)
+    return path
+
+
 @pytest.mark.parametrize("delay_ms", [0, 1, 3, 10, 30, 60, 100, 150, 200, 250, 300, 400, 500, 600, 700])
-def test_any_moment_ends_with_130_and_one_line(delay_ms: int, tmp_path: Path) -> None:
-    process = start("plan", SAMPLES / "table_scene.pcd", folder=tmp_path)  # Open3D reads it
+def test_any_moment_ends_with_130_and_one_line(delay_ms: int, compressed: Path, tmp_path: Path) -> None:
+    process = start("plan", compressed, folder=tmp_path)
     time.sleep(delay_ms / 1000)
     process.send_signal(signal.SIGINT)
     _, err = process.communicate(timeout=60)
