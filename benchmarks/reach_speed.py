@@ -60,9 +60,7 @@ def main() -> None:
         print(
             f"{name:16} {rate(partial(inverse, robot.dh, flange, turned), count, args.repeat):9,.0f} a second, inverse"
         )
-    ask = partial(
-        reach, robot, positions, axes, np.full(count, TOOL_M), Motion(0.1, 0.1, UP, twin=True), Plane(UP, 0.0)
-    )
+    ask = partial(reach, robot, *poses["poses of grasps"], Motion(0.1, 0.1, UP, twin=True), Plane(UP, 0.0))
     reached = sum(answer.ok for answer in ask())
     speed = rate(ask, count, args.repeat)
     print(f"{'grasps':16} {speed:9,.0f} a second, full reach; {100 * reached / count:.1f} % are reached")

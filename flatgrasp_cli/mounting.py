@@ -42,9 +42,9 @@ class Mounting:
             from flatgrasp_cli.planning import in_base_frame
 
             return in_base_frame(cloud, self.camera, self.base_frame)
-        if self.base_frame is not None and cloud.frame_id != self.base_frame:
+        if self.base_frame is not None and cloud.frame_name != self.base_frame:
             raise UsageError(
-                f"{cloud.source.path}: the cloud is in frame {cloud.frame_id!r}, the answer is wanted in "
+                f"{cloud.source.path}: the cloud is in frame {cloud.frame_name!r}, the answer is wanted in "
                 f"{self.base_frame!r}; say where the camera stands: --camera-pose x,y,z,qx,qy,qz,qw"
             )
         return cloud

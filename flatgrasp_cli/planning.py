@@ -9,13 +9,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion
-from flatgrasp_cli.model import Cloud, CloudWarning, Grasp, ObjectPlan, Reach, Rejection, Scene, Stage
+from flatgrasp_cli.model import Cloud, CloudWarning, Grasp, ObjectPlan, Reach, Rejection, Scene, Stage, SupportPlane
 from flatgrasp_cli.planner import plan_object
 from flatgrasp_cli.profiles import CameraPose, Gripper, PlannerSettings, Robot, load_settings
-from flatgrasp_cli.robot import Motion, Plane, reach
+from flatgrasp_cli.robot import Motion, Plane, carried_out, flange_at, reach
 from flatgrasp_cli.scene import segment, without_far_strays
 from flatgrasp_cli.sensor import located
 
+MAX_TABLE_TILT_DEG = 30.0
+"""Things slide off a table that is more aslant (friction 0.58). A camera pose that is inverted, or not of the optical
+frame, is out by far more as a rule."""
 REACH_CANDIDATES = 500
 """The best grasps of an object that a robot is asked about."""
 
@@ -85,10 +88,13 @@ def plan(
     began = time.perf_counter()
     cloud = located(without_far_strays(cloud), resolved.scene.up, resolved.seed)
     scene = segment(cloud, resolved.scene, resolved.seed)
+    if robot is not None:
+        scene = replace(scene, warnings=(*scene.warnings, *_table_tilted(scene.support)))
     segmented = time.perf_counter()
     plans = [plan_object(item, gripper, resolved, REACH_CANDIDATES if robot else top) for item in scene.objects]
     if robot is not None:
         plans = [_reached(item, gripper, robot, resolved, top) for item in plans]
+    plans = [_with_ways(item, gripper, resolved) for item in plans]
     objects = tuple(sorted(plans, key=_best_first))
     scene_ms, plan_ms = 1e3 * (segmented - began), 1e3 * (time.perf_counter() - segmented)
     return Plan(cloud, gripper, robot, resolved, scene, objects, scene_ms, plan_ms)
@@ -102,6 +108,17 @@ def in_base_frame(cloud: Cloud, camera: CameraPose, frame_id: str) -> Cloud:
     return cloud.in_frame(frame, frame_id)
 
 
+def _table_tilted(support: SupportPlane | None) -> tuple[CloudWarning, ...]:
+    """The warning that the support plane is no table of a robot that stands upright."""
+    if support is None or support.normal[2] >= math.cos(math.radians(MAX_TABLE_TILT_DEG)):
+        return ()
+    text = (
+        f"the support plane is tilted by more than {MAX_TABLE_TILT_DEG:.0f}° against the robot's base, "
+        "as it is only where the arm is not mounted upright: check --camera-pose, where the camera stands"
+    )
+    return (CloudWarning("table_tilted", text),)
+
+
 def _best_first(item: ObjectPlan) -> tuple[float, int]:
     """Objects in the order of their best grasps; those without one last, larger first."""
     return (item.grasps[0].cost_m if item.grasps else math.inf, -len(item.object.points))
@@ -111,14 +128,12 @@ def _reached(item: ObjectPlan, gripper: Gripper, robot: Robot, settings: Planner
     """The same with only the grasps that the robot can carry out, and the best of those that it cannot."""
     if not item.grasps:
         return item
-    axes = np.array([axes_from_quaternion(grasp.orientation) for grasp in item.grasps])
-    tool_m = [gripper.palm_offset_m + gripper.finger_length_at_m(grasp.width_m) for grasp in item.grasps]
+    flanges = [flange_at(grasp, gripper) for grasp in item.grasps]
+    positions = np.array([flange.position for flange in flanges])
+    axes = np.array([axes_from_quaternion(flange.orientation) for flange in flanges])
     support = item.object.support
-    lift = -axes[0, 2] if support is None else support.normal
-    motion = Motion(settings.depth.approach_m, settings.depth.lift_m, lift, gripper.symmetric)
     table = None if support is None else Plane(support.normal, support.offset_m)
-    positions = np.array([grasp.position for grasp in item.grasps])
-    answers = reach(robot, positions, axes, np.array(tool_m), motion, table)
+    answers = reach(robot, positions, axes, _motion(item, item.grasps[0], gripper, settings), table)
     asked = [replace(grasp, reach=answer) for grasp, answer in zip(item.grasps, answers, strict=True)]
     kept = [grasp for grasp, answer in zip(asked, answers, strict=True) if answer.ok]
     refused = [grasp for grasp, answer in zip(asked, answers, strict=True) if not answer.ok]
@@ -129,6 +144,22 @@ def _reached(item: ObjectPlan, gripper: Gripper, robot: Robot, settings: Planner
         funnel=(*item.funnel, Stage("reach", len(kept))),
         rejection=None if kept else Rejection("reach", _why_not(robot, answers)),
     )
+
+
+def _with_ways(item: ObjectPlan, gripper: Gripper, settings: PlannerSettings) -> ObjectPlan:
+    """The same, each of its grasps with the way in which it is carried out."""
+    grasps, refused = (
+        tuple(carried_out(grasp, gripper, _motion(item, grasp, gripper, settings)) for grasp in some)
+        for some in (item.grasps, item.refused)
+    )
+    return replace(item, grasps=grasps, refused=refused)
+
+
+def _motion(item: ObjectPlan, grasp: Grasp, gripper: Gripper, settings: PlannerSettings) -> Motion:
+    """How the hand comes to an object's grasp, and goes: up from the support plane, or back from an object alone."""
+    support = item.object.support
+    lift = -axes_from_quaternion(grasp.orientation)[2] if support is None else support.normal
+    return Motion(settings.depth.approach_m, settings.depth.lift_m, lift, gripper.symmetric)
 
 
 def _why_not(robot: Robot, answers: tuple[Reach, ...]) -> str:

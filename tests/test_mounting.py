@@ -19,7 +19,7 @@ from flatgrasp_cli.errors import ProfileError, UsageError
 from flatgrasp_cli.geometry.frames import quaternion_from_axes
 from flatgrasp_cli.mounting import mounting
 from flatgrasp_cli.profiles import profile_path
-from flatgrasp_cli.results.document import json_schema
+from flatgrasp_cli.results.contracts import json_schema
 from tests.conftest import MM, TABLE, Box, Camera, Solid
 
 TABLE_AHEAD = Box((0.45, 0.0, -0.01), (0.9, 0.7, 0.02))
@@ -163,6 +163,10 @@ class TestFrames:
             load_settings().depth.table_clearance_m, abs=2 * MM
         )
 
+    def test_a_file_that_names_no_frame_has_one_all_the_same(self, scene: Path, run: Run) -> None:
+        document = run(scene).document
+        assert document["frame_id"] == document["source"]["frame_id"] == "cloud"
+
     def test_the_base_frame_has_the_name_it_is_given(self, scene: Path, run: Run) -> None:
         document = run(scene, "--camera-pose", pose_text(CAMERA), "--base-frame", "world").document
         assert document["frame_id"] == document["source"]["frame_id"] == "world"
@@ -234,6 +238,14 @@ class TestRobot:
         assert document["reason"] in done.err
         assert item["nearest_miss"]["stage"] == "reach"
 
+    def test_a_camera_pose_that_tilts_the_table_is_told_in_a_sentence(self, scene: Path, run: Run) -> None:
+        wrong = replace(CAMERA, tilt_deg=CAMERA.tilt_deg + 40)
+        done = run(scene, "--robot", "ur5", "--camera-pose", pose_text(wrong))
+        (warning,) = done.document["warnings"]
+        assert warning["code"] == "table_tilted"
+        assert "--camera-pose" in warning["text"]
+        assert done.err.count(warning["text"]) == 1
+
     def test_without_a_camera_pose_it_asks_for_one(self, scene: Path, run: Run) -> None:
         done = run(scene, "--robot", "ur5")
         assert (done.code, done.out) == (2, "")
@@ -296,6 +308,12 @@ class TestMounting:
         assert mounting("ur5", None, None).placed(cloud) is cloud
         with pytest.raises(UsageError, match="base_link"):
             mounting("ur5", None, "base_link").placed(cloud)
+
+    def test_a_frame_without_a_name_is_called_as_in_the_document(self) -> None:
+        cloud = CAMERA.sees(TABLE_AHEAD)
+        with pytest.raises(UsageError, match="in frame 'cloud', the answer is wanted in 'base'"):
+            mounting("ur5", None, None).placed(cloud)
+        assert mounting(None, None, "cloud").placed(cloud) is cloud
 
     def test_a_quaternion_must_be_one(self) -> None:
         with pytest.raises(ProfileError, match="unit quaternion"):

@@ -16,7 +16,8 @@ from flatgrasp_cli.geometry.frames import axes_from_quaternion, quaternion_from_
 from flatgrasp_cli.model import Cloud, Grasp
 from flatgrasp_cli.profiles import Gripper, Robot
 from flatgrasp_cli.profiles.robot import CameraPose
-from flatgrasp_cli.results.document import json_schema, to_json
+from flatgrasp_cli.results.contracts import json_schema
+from flatgrasp_cli.results.document import to_json
 from flatgrasp_cli.results.table import ROWS, grasp_table
 from flatgrasp_cli.robot import forward
 from flatgrasp_cli.robot.reach import LIMITS
@@ -231,6 +232,32 @@ class TestReach:
         result = plan(near.sees(TABLE, Box((0.02, 0.0, 0.02), (0.1, 0.04, 0.04))), pr2, robot=ur5, top=3)
         assert result.best is None
         assert {grasp.reach.limit for grasp in result.objects[0].refused if grasp.reach} <= set(LIMITS)
+
+
+class TestTable:
+    """A camera pose that is wrong tilts the table in the robot's base frame."""
+
+    @staticmethod
+    def codes(cloud: Cloud, tilt_deg: float, robot: Robot | None, pr2: Gripper) -> list[str]:
+        half = np.radians(tilt_deg) / 2
+        pose = CameraPose(position_m=(0, 0, 0), orientation_xyzw=(np.sin(half), 0, 0, np.cos(half)))
+        tilted = in_base_frame(cloud, pose, "base")
+        return [warning.code for warning in plan(tilted, pr2, robot=robot, top=1).warnings]
+
+    @pytest.mark.parametrize(
+        ("tilt_deg", "codes"),
+        [(0, []), (25, []), (-25, []), (35, ["table_tilted"]), (-40, ["table_tilted"]), (180, ["table_tilted"])],
+    )
+    def test_more_than_a_table_can_be_tilted_is_told(
+        self, tilt_deg: float, codes: list[str], seen: Cloud, ur5: Robot, pr2: Gripper
+    ) -> None:
+        assert self.codes(seen, tilt_deg, ur5, pr2) == codes
+
+    def test_without_a_robot_any_frame_will_do(self, seen: Cloud, pr2: Gripper) -> None:
+        assert self.codes(seen, 40, None, pr2) == []
+
+    def test_an_object_alone_has_no_table(self, ur5: Robot, pr2: Gripper) -> None:
+        assert self.codes(CAMERA.sees(BLOCK), 40, ur5, pr2) == []
 
 
 class TestDocument:

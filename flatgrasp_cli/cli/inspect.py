@@ -99,8 +99,10 @@ def _print_topics(console: Console, topics: tuple[TopicSummary, ...]) -> None:
 
 
 def _print_cloud(console: Console, cloud: CloudSummary) -> None:
+    from flatgrasp_cli.model import UNNAMED_FRAME
+
     where = f"first cloud on {cloud.topic}" if cloud.topic else "cloud"
-    frame = f" in {cloud.frame_id}" if cloud.frame_id else ""
+    frame = "" if cloud.frame_id == UNNAMED_FRAME else f" in {cloud.frame_id}"
     size = " × ".join(str(side) for side in cloud.shape[::-1] if side != 1) or "1"
     console.print(f"{_plain(where + frame)}: {size} points, {100 * cloud.nan_share:.1f} % not measured")
     if cloud.fields:

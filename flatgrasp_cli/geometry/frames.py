@@ -48,6 +48,14 @@ def axes_from_quaternion(quaternion: FloatArray) -> FloatArray:
     )
 
 
+def turned_about_z(quaternion: FloatArray, angle_deg: float) -> FloatArray:
+    """Unit quaternion [x, y, z, w], w ≥ 0, of the frame with unit `quaternion` turned about its own z axis."""
+    x, y, z, w = quaternion.tolist()
+    c, s = math.cos(math.radians(angle_deg) / 2), math.sin(math.radians(angle_deg) / 2)
+    turned = np.array([c * x + s * y, c * y - s * x, c * z + s * w, c * w - s * z])
+    return turned if turned[3] >= 0 else -turned
+
+
 def quaternion_from_axes(axes: FloatArray) -> FloatArray:
     """Unit quaternion [x, y, z, w], w ≥ 0, of the frame whose rows `axes` (3, 3) are its x, y, z axes in the world.
 

@@ -6,6 +6,7 @@ Lengths are metres, angles in names ending `_deg` degrees. "Plane" coordinates (
 from flatgrasp_cli.model.candidates import FingerCandidates, GraspCandidates
 from flatgrasp_cli.model.clouds import (
     SENSOR_FROM_TF,
+    UNNAMED_FRAME,
     UP_UNTOLD,
     Cloud,
     CloudWarning,
@@ -21,9 +22,11 @@ from flatgrasp_cli.model.clouds import (
 from flatgrasp_cli.model.grasps import Cage, Closure, Grasp, Reach, Tolerance
 from flatgrasp_cli.model.outlines import OrientedBox, Silhouette, StepPoints
 from flatgrasp_cli.model.plans import ObjectPlan, Rejection, Stage, Trace
+from flatgrasp_cli.model.poses import Pose, Poses, Way
 
 __all__ = [
     "SENSOR_FROM_TF",
+    "UNNAMED_FRAME",
     "UP_UNTOLD",
     "Cage",
     "Closure",
@@ -38,6 +41,8 @@ __all__ = [
     "ObjectCloud",
     "ObjectPlan",
     "OrientedBox",
+    "Pose",
+    "Poses",
     "Reach",
     "Rejection",
     "Scene",
@@ -49,4 +54,5 @@ __all__ = [
     "SupportPlane",
     "Tolerance",
     "Trace",
+    "Way",
 ]

@@ -14,6 +14,9 @@ from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 LARGEST_COORDINATE_M = 1e4
 """What lies farther from the origin than 10 km was not measured by anything that looks at objects."""
 
+UNNAMED_FRAME = "cloud"
+"""What the frame of a cloud is called in results if its source names none, as most files do."""
+
 SENSOR_FROM_TF = "sensor_from_tf"
 """Code of the warning that holds only while the sensor is where the transforms have it."""
 UP_UNTOLD = "mesh_up_assumed"
@@ -168,6 +171,11 @@ class Cloud:
             rest = self.without(lost)
             for name in ("points", "dropped", "colors", "pixels"):
                 object.__setattr__(self, name, getattr(rest, name))
+
+    @property
+    def frame_name(self) -> str:
+        """What the cloud's frame is called in results: never empty."""
+        return self.frame_id or UNNAMED_FRAME
 
     def without(self, lost: IntArray) -> Cloud:
         """The cloud without the points in the rows `lost` (k,), which count as dropped."""

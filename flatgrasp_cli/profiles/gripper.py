@@ -6,7 +6,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from flatgrasp_cli.profiles.base import Length, Place, Profile, Size
+from flatgrasp_cli.profiles.base import Length, Place, Profile, Size, Turn
 
 Offsets = Annotated[tuple[Place, ...], Field(min_length=1, max_length=10)]
 MOTIONS = {"parallel": "two parallel fingers", "arc": "two fingers on an arc", "underactuated": "two adaptive fingers"}
@@ -19,31 +19,41 @@ class Gripper(Profile):
     """A two-finger gripper: the paper's w_f, w_h and w_o, and what a real hand adds to them."""
 
     profile: Literal["gripper"] = "gripper"
+    """What kind of profile this is."""
     name: Annotated[str, Field(min_length=1)]
+    """The gripper's name."""
     kind: Literal["parallel", "arc", "underactuated"]
     """How the fingers move: straight, on a linkage's arc, or with joints that adapt to the object."""
     min_opening_m: Length = 0.0
+    """Between the pads, closed as far as they go, metres."""
     max_opening_m: Size
-    """w_o: between the pads, fully open."""
+    """w_o: between the pads, fully open, metres."""
     finger_width_m: Size
-    """w_f: a finger's size along its pad, across the closing axis."""
+    """w_f: a finger's size along its pad, across the closing axis, metres."""
     finger_thickness_m: Size
-    """A fingertip's size along the closing axis: the room that it needs behind its pad."""
+    """A fingertip's size along the closing axis, metres: the room that it needs behind its pad."""
     finger_length_m: Size
-    """From the palm to the fingertips' ends, fully open."""
+    """From the palm to the fingertips' ends, fully open, metres."""
     tip_advance_m: Length = 0.0
-    """How far the fingertips move away from the palm from fully open to closed (arc linkages)."""
+    """How far the fingertips move away from the palm from fully open to closed (arc linkages), metres."""
     palm_offset_m: Length = 0.0
-    """From the robot's flange to the palm, any adapter included."""
+    """From the robot's flange to the palm, any adapter included, metres."""
+    adapter_m: Length = 0.0
+    """The part of `palm_offset_m` that is the adapter, metres: from the flange to the frame that the hand is mounted
+    by."""
+    mounted_deg: Turn = 0.0
+    """How far the hand is turned about z against the flange, degrees: 90 or −90 where the fingers close along the
+    flange's x axis, 0 where they close along its y axis."""
     hand_width_m: Size
-    """w_h: the palm's size across the closing axis."""
+    """w_h: the palm's size across the closing axis, metres."""
     palm_m: Size
-    """The palm's size along the closing axis."""
+    """The palm's size along the closing axis, metres."""
     jaws: tuple[Offsets, Offsets] = ((0.0,), (0.0,))
     """The fingers of the jaw on the −y and of the jaw on the +y side: their places along x, metres."""
     pad_friction: Annotated[float, Field(ge=0.01, le=5)] = 0.5
     """Coulomb coefficient of the pads on a common object; ice on ice has 0.02."""
     max_force_n: Annotated[float, Field(ge=0.01, le=1e5)] | None = None
+    """The force with which the fingers can press, newtons; None: not known."""
 
     @model_validator(mode="after")
     def _opens(self) -> Self:
@@ -54,6 +64,12 @@ class Gripper(Profile):
                 f"max_opening_m {self.max_opening_m} must be {LEAST_STROKE_M} m more than min_opening_m "
                 f"{self.min_opening_m} at least"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _adapter_ends_before_the_palm(self) -> Self:
+        if self.adapter_m > self.palm_offset_m:
+            raise ValueError(f"adapter_m is a part of palm_offset_m {self.palm_offset_m}, not {self.adapter_m}")
         return self
 
     @property
@@ -72,6 +88,10 @@ class Gripper(Profile):
     def finger_length_at_m(self, opening_m: float) -> float:
         """From the palm to the fingertips' ends at an opening: arc linkages push them out as they close."""
         return self.finger_length_m + self.tip_advance_m * (1 - min(opening_m / self.max_opening_m, 1.0))
+
+    def tool_length_m(self, width_m: float) -> float:
+        """From the flange to the fingertips' ends when they have closed to a width."""
+        return self.palm_offset_m + self.finger_length_at_m(width_m)
 
     @property
     def symmetric(self) -> bool:

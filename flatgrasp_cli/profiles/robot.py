@@ -22,8 +22,11 @@ class DenavitHartenberg(Profile):
     """Standard Denavit–Hartenberg rows, one number a joint."""
 
     d_m: SixPlaces
+    """Offsets d along z of the frame before, metres."""
     a_m: SixPlaces
+    """Link lengths a along x, metres."""
     alpha_deg: SixTurns
+    """Twists α about x, degrees."""
 
     @model_validator(mode="after")
     def _of_the_family(self) -> Self:
@@ -42,9 +45,13 @@ class JointLimits(Profile):
     """Limits of each joint."""
 
     lower_deg: SixTurns
+    """Least angles, degrees."""
     upper_deg: SixTurns
+    """Largest angles, degrees."""
     max_speed_deg_s: SixMosts
+    """Largest speeds, degrees a second."""
     max_effort_nm: SixMosts
+    """Largest torques, newton metres."""
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
@@ -57,21 +64,26 @@ class LinkRadii(Profile):
     """Capsule radii of the links; elbow, forearm and wrist stay at least that far above a table."""
 
     shoulder_m: Size
+    """Of the shoulder, metres."""
     upper_arm_m: Size
+    """Of the upper arm, metres."""
     elbow_m: Size
+    """Of the elbow, metres."""
     forearm_m: Size
+    """Of the forearm, metres."""
     wrist_m: Size
+    """Of the three wrist links, metres."""
 
 
 class ReachSettings(Profile):
     """How a grasp is approached and lifted, and what the arm must keep on the way."""
 
     reference_deg: SixTurns
-    """Joint angles of the arm's usual stance: of several ways to reach a grasp the nearest to it is taken."""
+    """Joint angles of the arm's usual stance, degrees: of several ways to reach a grasp the nearest to it is taken."""
     steps: Annotated[int, Field(ge=1, le=1000)]
-    """Waypoints from the pre-grasp pose to the grasp, and again from there to the end of the lift."""
+    """The number of waypoints from the pre-grasp pose to the grasp, and again from there to the end of the lift."""
     max_step_deg: Annotated[float, Field(ge=0.1, le=180)]
-    """The most that a joint may turn from one waypoint to the next."""
+    """The most that a joint may turn from one waypoint to the next, degrees."""
     min_manipulability_share: Annotated[float, Field(ge=0, lt=1)]
     """Least manipulability, as a share of the arm's largest."""
 
@@ -80,7 +92,9 @@ class CameraPose(Profile):
     """Pose of a camera's optical frame in the robot's `base_frame`."""
 
     position_m: tuple[FarPlace, FarPlace, FarPlace]
+    """Where its origin is: x, y, z in metres."""
     orientation_xyzw: tuple[float, float, float, float]
+    """How it is turned: a unit quaternion [x, y, z, w]."""
 
     @model_validator(mode="after")
     def _unit(self) -> Self:
@@ -98,16 +112,25 @@ class Robot(Profile):
     """A six-joint arm of the UR family, by its Denavit–Hartenberg rows."""
 
     profile: Literal["robot"] = "robot"
+    """What kind of profile this is."""
     name: Annotated[str, Field(min_length=1)]
+    """The robot's name."""
     base_frame: Literal["base", "base_link"]
     """`base` is the controller's (and the DH) base; ROS's `base_link` is turned by 180° about z against it."""
     dh: DenavitHartenberg
+    """The arm's links and joints."""
     joints: JointLimits
+    """What its joints can do."""
     links: LinkRadii
+    """How thick its links are."""
     reach: ReachSettings
+    """What counts as reached."""
     reach_m: Size
+    """How far the arm reaches by its data sheet, metres; for people, reach is computed."""
     payload_kg: Annotated[float, Field(ge=1e-3, le=1e4)]
+    """What it lifts by its data sheet, kilograms."""
     camera_pose: CameraPose | None = None
+    """Where the camera stands in `base_frame`, for all clouds without `--camera-pose`; None: not known."""
 
     @model_validator(mode="after")
     def _stands_within_limits(self) -> Self:

@@ -18,6 +18,7 @@ from flatgrasp_cli.model import Reach
 from flatgrasp_cli.profiles.robot import Robot
 from flatgrasp_cli.robot.frames import in_dh_base
 from flatgrasp_cli.robot.kinematics import heights, inverse, manipulability, max_manipulability
+from flatgrasp_cli.robot.motion import Motion
 
 LIMITS = ("out of reach", "joint limit", "joint step", "manipulability", "below the table")
 """What may stop a branch, in the order of testing."""
@@ -26,20 +27,6 @@ BATCH = 128
 """Grasps followed at a time: few enough for their arrays to stay in the processor's cache."""
 ROUNDING = 1e-9
 """Turns by which a joint may pass its limit: an angle of exactly 180° is within limits of 180°."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Motion:
-    """How a grasp is carried out.
-
-    The hand comes `approach_m` along its z axis, then moves `lift_m` along `lift_direction` (3,), a unit vector in the
-    robot's base frame. `twin` says whether the hand may as well be turned by 180° about its z axis.
-    """
-
-    approach_m: float
-    lift_m: float
-    lift_direction: FloatArray
-    twin: bool
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,19 +41,17 @@ def reach(
     robot: Robot,
     positions: FloatArray,
     axes: FloatArray,
-    tool_m: FloatArray,
     motion: Motion,
     table: Plane | None = None,
 ) -> tuple[Reach, ...]:
     """Whether the arm can carry out n grasps, each by the branch nearest to the profile's reference angles.
 
-    The fingertips' `positions` (n, 3) and `axes` (n, 3, 3), whose rows are the hand's x, y, z axes, are in the robot's
-    `base_frame`, as are `motion` and `table`. `tool_m` (n,) is how far the fingertips are from the flange along z; the
-    hand's axes are the flange's. The elbow and the wrists, with their radii, must stay above the table.
+    The flange's `positions` (n, 3) at the grasps and its `axes` (n, 3, 3), whose rows are its x, y, z axes, are in the
+    robot's `base_frame`, as are `motion` and `table`. The elbow and the wrists, with their radii, must stay above the
+    table.
     """
     follower = _Follower(robot, motion, table)
-    axes = in_dh_base(robot.base_frame, axes)
-    flange = in_dh_base(robot.base_frame, positions) - tool_m[:, None] * axes[:, 2]
+    flange, axes = (in_dh_base(robot.base_frame, vectors) for vectors in (positions, axes))
     batches = [slice(start, start + BATCH) for start in range(0, len(positions), BATCH)]
     return tuple(answer for batch in batches for answer in follower.follow(flange[batch], axes[batch]))
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from flatgrasp_cli.errors import SourceError
-from flatgrasp_cli.model import Cloud, Sensor
+from flatgrasp_cli.model import UNNAMED_FRAME, Cloud, Sensor
 from flatgrasp_cli.sensor import located
 from flatgrasp_cli.sources.containers import Recording, Topic, is_recording, open_recording
 from flatgrasp_cli.sources.files import kind_of_file, read_kind
@@ -98,7 +98,7 @@ def summarize(source: str, selection: Selection = EVERYTHING) -> Summary:
         with open_recording(path, name) as recording:
             topics = tuple(_of_topic(topic, recording) for topic in recording.topics)
             clouds = tuple(_of_clouds(name, recording, selection))
-            frames = {*_frames(recording), *(cloud.frame_id for cloud in clouds)} - {""}
+            frames = {*_frames(recording), *(cloud.frame_id for cloud in clouds)} - {UNNAMED_FRAME}
             return Summary(
                 name,
                 recording.container,
@@ -152,7 +152,7 @@ def _of_cloud(cloud: Cloud, shape: tuple[int, ...], fields: tuple[str, ...]) -> 
     return CloudSummary(
         topic=cloud.source.topic,
         stamp_ns=cloud.source.stamp_ns,
-        frame_id=cloud.frame_id,
+        frame_id=cloud.frame_name,
         points=declared,
         shape=shape,
         fields=fields,

@@ -1,0 +1,63 @@
+"""How a grasp is carried out: which way the hand comes and goes, and where the flange is for that.
+
+Fingers that move on an arc push their tips out as they close, and the flange does not move while they do. So it is
+placed by the closed fingers: the grasp's pose less the tool's length at the grasp's width. On the way in the open
+fingers' tips are short of `pre_grasp` and `pose` by what they will come out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.frames import axes_from_quaternion, turned_about_z
+from flatgrasp_cli.model import Grasp, Pose, Poses, Way
+from flatgrasp_cli.profiles.gripper import Gripper
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Motion:
+    """How a grasp is carried out.
+
+    The hand comes `approach_m` along its z axis, then moves `lift_m` along `lift_direction` (3,), a unit vector in the
+    frame of the grasp. `twin` says whether the hand may as well be turned by 180° about its z axis.
+    """
+
+    approach_m: float
+    lift_m: float
+    lift_direction: FloatArray
+    twin: bool
+
+
+def flange_at(grasp: Grasp, gripper: Gripper) -> Pose:
+    """The flange's pose at a grasp, the hand not turned into its twin."""
+    back = gripper.tool_length_m(grasp.width_m) * axes_from_quaternion(grasp.orientation)[2]
+    return Pose(grasp.position - back, turned_about_z(grasp.orientation, -gripper.mounted_deg))
+
+
+def carried_out(grasp: Grasp, gripper: Gripper, motion: Motion) -> Grasp:
+    """The grasp with its way.
+
+    Where the arm takes the twin, flange and hand are turned by 180° about the approach, as the joint angles have them;
+    the fingertips' frame stays as it is, for the fingers that change places are alike.
+    """
+    approach = axes_from_quaternion(grasp.orientation)[2]
+    before, after = motion.approach_m * approach, motion.lift_m * motion.lift_direction
+    twin_deg = 180.0 if grasp.reach is not None and grasp.reach.twin else 0.0
+
+    def poses(at: Pose, turn_deg: float) -> Poses:
+        turned = turned_about_z(at.orientation, turn_deg)
+        return Poses(
+            pre_grasp=Pose(at.position - before, turned),
+            pose=Pose(at.position, turned),
+            lift=Pose(at.position + after, turned),
+        )
+
+    flange = flange_at(grasp, gripper)
+    mounting = Pose(flange.position + gripper.adapter_m * approach, grasp.orientation)
+    way = Way(
+        tips=poses(Pose(grasp.position, grasp.orientation), 0.0),
+        flange=poses(flange, twin_deg),
+        hand=poses(mounting, twin_deg) if gripper.adapter_m or gripper.mounted_deg else None,
+    )
+    return replace(grasp, way=way)
