@@ -23,6 +23,7 @@ POSES: tuple[tuple[str, dict[str, Any]], ...] = (
 )
 """In the order of a reach's joint angles: even where two of them are the same pose, both are seen."""
 AXIS_M = 0.15
+CIRCLE_POINTS = 73
 NEAR_M = 0.35
 """Points of the cloud nearer to the grasp than this are drawn."""
 
@@ -63,11 +64,21 @@ def draw_arm(axes: Any, plan: Plan) -> None:
         links = links_of(robot, angles)
         axes.plot(*(MM * links.T), marker="o", mew=0, label=name, **style)
         drawn.append(links)
-    color, label = (RED, "hand at the grasp") if joints is not None else (GREY, "hand, out of the arm's reach")
+    color, label = (RED, "hand at the grasp") if joints is not None else (GREY, "hand, where the arm does not get it")
+    if joints is None:
+        drawn.append(_draw_reach(axes, robot))
     drawn.append(draw_hand_in_space(axes, grasp, plan.gripper, color=color, label=label))
     draw_axes_of(axes, np.zeros(3), np.eye(3), AXIS_M, f"x, y, z: axes of the frame {robot.base_frame!r}")
     azimuth = float(np.degrees(np.arctan2(grasp.position[1], grasp.position[0]))) - 60.0
     finish_space(axes, np.vstack(drawn), ("x (mm)", "y (mm)", "z (mm)"), azimuth)
+
+
+def _draw_reach(axes: Any, robot: Robot) -> FloatArray:
+    """How far the arm reaches, level with its base; points (n, 3) of that circle."""
+    angle = np.linspace(0.0, 2 * np.pi, CIRCLE_POINTS)
+    circle = robot.reach_m * np.column_stack([np.cos(angle), np.sin(angle), np.zeros(CIRCLE_POINTS)])
+    axes.plot(*(MM * circle.T), "--", color=GREY, lw=1.0, label=f"the arm's reach of {MM * robot.reach_m:.0f} mm")
+    return circle
 
 
 def links_of(robot: Robot, joints: FloatArray) -> FloatArray:

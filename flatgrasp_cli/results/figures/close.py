@@ -20,12 +20,13 @@ from flatgrasp_cli.results.figures.style import (
     closed,
     draw_dots,
     draw_segments,
+    thinned,
     tick_labels,
 )
 from flatgrasp_cli.results.figures.view import View
 
 OTHERS = 5
-MARGIN_SHARE = 0.08
+MARGIN_SHARE = 0.12
 """Room around an object and its hand, of what is drawn."""
 MAX_MISSED = 60
 """Pairs that are drawn of those that the last stage removed."""
@@ -52,8 +53,9 @@ def draw_close(axes: Axes, plan: Plan, item: ObjectPlan, view: View) -> FloatArr
 
 
 def _draw_outline(axes: Axes, item: ObjectPlan, outline: Silhouette, view: View) -> FloatArray:
-    """Points and outline; the outline's vertices, closely spaced."""
-    draw_dots(axes, view.of_plane(outline.frame, outline.points), PALE, "cloud")
+    """Points and outline; where they are (n, 2)."""
+    points = view.of_plane(outline.frame, outline.points)
+    draw_dots(axes, points, PALE, "cloud")
     draw_loops(axes, outline, view)
     fingers = item.trace.fingers
     if fingers is not None:
@@ -62,7 +64,8 @@ def _draw_outline(axes: Axes, item: ObjectPlan, outline: Silhouette, view: View)
             start, end = (view.of_plane(outline.frame, ends[unsure]) for ends in (fingers.start, fingers.end))
             style = {"colors": SKY, "linewidths": 3.0, "alpha": 0.6, "zorder": 2}
             draw_segments(axes, start, end, **style).set_label("not seen behind: it may go on")
-    return np.concatenate([view.of_plane(outline.frame, closed(loop)) for loop in outline.loops])
+    loops = [view.of_plane(outline.frame, closed(loop)) for loop in outline.loops]
+    return np.concatenate([*loops, thinned(points)])
 
 
 def draw_loops(axes: Axes, outline: Silhouette, view: View, color: str = BLACK) -> None:

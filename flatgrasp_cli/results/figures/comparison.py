@@ -34,7 +34,7 @@ def comparison_figure(
     page = Page(f"{title} · {plan.gripper.description}", 2)
     left = page.panel("ours: Lei & Wisse")
     drawn = draw_close(left, plan, ours, view)
-    draw_triad(left, view, plan.cloud.frame_id or "cloud", drawn)
+    draw_triad(left, view, plan.cloud.frame_name, drawn)
     right = page.panel(f"two point fingers (Allen et al.): {counted(len(theirs), 'grasp')}")
     right.set(xlim=left.get_xlim(), ylim=left.get_ylim(), aspect="equal")
     tick_labels(right, view)

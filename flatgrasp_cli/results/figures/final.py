@@ -39,7 +39,7 @@ def final_figure(plan: Plan) -> Figure:
         drawn = draw_close(axes, plan, item, view)
         labels = [] if scene else [*draw_base(axes, view, plan), *draw_sensor(axes, view, plan)]
         drawn = np.concatenate([drawn, *(label.thing for label in labels)])
-        draw_triad(axes, view, plan.cloud.frame_id or "cloud", drawn)
+        draw_triad(axes, view, plan.cloud.frame_name, drawn)
         put(axes, labels, drawn)
     if arm:
         draw_arm(page.panel(f"{plan.robot.name if plan.robot else ''} in its frame", projection="3d"), plan)
@@ -79,18 +79,22 @@ def _without_grasp(plan: Plan) -> list[tuple[str, str]]:
     missed = [item for item in plan.objects if item.rejection is not None]
     reasons = [f"object {item.object.id}: {item.rejection.reason}" for item in missed if item.rejection]
     rows = [("No grasp", reason) for reason in reasons[:REASONS]]
-    return rows if len(reasons) <= REASONS else [*rows, ("", f"and {len(reasons) - REASONS} more objects")]
+    return rows if len(reasons) <= REASONS else [*rows, ("", f"and {counted(len(reasons) - REASONS, 'more object')}")]
 
 
 def _where(plan: Plan, best: Grasp) -> str:
-    place = ", ".join(f"{name} {MM * value:.0f}" for name, value in zip("xyz", best.position, strict=True))
     approach = ", ".join(f"{value + 0.0:.2f}" for value in np.round(axes_from_quaternion(best.orientation)[2], 2))
-    text = f"the fingertips end at {place} mm in {plan.cloud.frame_id or 'cloud'!r}; the hand comes along ({approach})"
+    rows = [f"the fingertips end at {_place(best.position)} in {plan.cloud.frame_name!r}"]
     if best.tip_height_m is not None and best.grip_m is not None:
-        text += (
-            f", {MM * best.tip_height_m:.1f} mm above the plane; the pads cover {MM * best.grip_m:.1f} mm of the height"
-        )
-    return text.replace("-", "−")
+        rows.append(f"{MM * best.tip_height_m:.1f} mm above the plane, where the pads cover {MM * best.grip_m:.1f} mm")
+    if best.way is not None:
+        rows.append(f"the flange is at {_place(best.way.flange.pose.position)} then")
+    return "; ".join([*rows, f"the hand comes along ({approach})"]).replace("-", "−")
+
+
+def _place(position: FloatArray) -> str:
+    """A place (3,) in words."""
+    return ", ".join(f"{name} {MM * value:.0f}" for name, value in zip("xyz", position, strict=True)) + " mm"
 
 
 def _how_wide(plan: Plan, best: Grasp) -> str:

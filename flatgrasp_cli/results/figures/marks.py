@@ -20,7 +20,7 @@ ARROW_PX = 42.0
 """Length of an axis that lies in the drawing."""
 FORESHORTENED = 0.25
 """An axis that is drawn shorter than this share of its length is drawn as a sign: it comes out, or goes in."""
-INSET, ARROW_SHARE = 0.03, 0.1
+INSET, ARROW_SHARE = 0.03, 0.08
 """Of a panel: how far from its edge, and how long, an arrow is that tells of something outside."""
 HALO = {"boxstyle": "round,pad=0.1", "fc": "white", "ec": "none", "alpha": 0.8}
 IN_WORDS = {
@@ -57,7 +57,7 @@ def draw_triad(axes: Axes, view: View, frame_id: str, drawn: FloatArray) -> None
         if signs[k]:
             sign = "⊙" if view.frame.axes[2, k] > 0 else "⊗"
             aside = -14 * np.sign(ends.sum(axis=0) + 1e-9)
-            axes.annotate(sign, origin, origin, ha="center", va="center", fontsize=11, **style)
+            axes.annotate(sign, origin, origin, ha="center", va="center", fontsize=14, **style)
             axes.annotate(name, origin, origin + aside, ha="center", va="center", fontsize=9, **style)
             continue
         tip = origin + ends[k]

@@ -43,7 +43,7 @@ def draw_scene(axes: Axes, plan: Plan, view: View) -> None:
     labels += [*draw_base(axes, view, plan), *draw_sensor(axes, view, plan)]
     drawn = np.concatenate([np.empty((0, 2)), *map(thinned, things), *(label.thing for label in labels)])
     tick_labels(axes, view)
-    draw_triad(axes, view, plan.cloud.frame_id or "cloud", drawn)
+    draw_triad(axes, view, plan.cloud.frame_name, drawn)
     put(axes, labels, drawn)
 
 

@@ -93,13 +93,13 @@ def final_on_cloud(plan: Plan, item: ObjectPlan) -> Figure:
     _draw_frame(axes, frame, plan, np.vstack([points, hand]))
     finish_space(axes, np.vstack([points, hand]), UPRIGHT, AZIMUTH_DEG)
     approach = ", ".join(f"{value + 0.0:.2f}" for value in np.round(axes_from_quaternion(grasp.orientation)[2], 2))
-    return page.finish([("Approach", f"along ({approach}) in {plan.cloud.frame_id or 'cloud'!r}".replace("-", "−"))])
+    return page.finish([("Approach", f"along ({approach}) in {plan.cloud.frame_name!r}".replace("-", "−"))])
 
 
 def _draw_frame(axes: object, frame: Frame, plan: Plan, drawn: FloatArray) -> None:
     """The directions of the answer's frame, in the drawing's upper left corner."""
     corner, size = np.append(drawn.min(axis=0)[:2], drawn[:, 2].max()), float(np.ptp(drawn, axis=0).max())
-    label = f"x, y, z: axes of the frame {plan.cloud.frame_id or 'cloud'!r}"
+    label = f"x, y, z: axes of the frame {plan.cloud.frame_name!r}"
     draw_axes_of(axes, corner, frame.axes.T, TRIAD_SHARE * size, label)
 
 
