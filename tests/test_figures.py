@@ -25,7 +25,7 @@ from flatgrasp_cli.results.figures.marks import draw_place, sensor_in_words
 from flatgrasp_cli.results.figures.page import Page, show
 from flatgrasp_cli.results.figures.solid import AZIMUTH_DEG
 from flatgrasp_cli.results.figures.style import ORANGE
-from flatgrasp_cli.results.figures.view import View, middle_of, view_of
+from flatgrasp_cli.results.view import View, middle_of, view_of
 from tests.conftest import TABLE, Box, Camera, Tube
 
 CAMERA = Camera(tilt_deg=30, target=(0.4, 0.0, 0.0), distance=0.9)

@@ -17,7 +17,7 @@ from flatgrasp_cli.results.document import to_document, to_json
 from flatgrasp_cli.results.figures import as_png, final_figure, stage_figures
 from flatgrasp_cli.results.figures.hand import DrawnHand, finger_boxes
 from flatgrasp_cli.results.figures.style import RED
-from flatgrasp_cli.results.figures.view import View, view_of
+from flatgrasp_cli.results.view import View, view_of
 from tests.conftest import SAMPLES, cloud_of, rectangle, sampled
 
 OBJECTS = ("teddy_bear", "electric_drill", "pistol", "spray_bottle", "pan", "hammer", "juice_box")

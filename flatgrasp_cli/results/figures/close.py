@@ -23,7 +23,7 @@ from flatgrasp_cli.results.figures.style import (
     thinned,
     tick_labels,
 )
-from flatgrasp_cli.results.figures.view import View
+from flatgrasp_cli.results.view import View
 
 OTHERS = 5
 MARGIN_SHARE = 0.12

@@ -16,7 +16,7 @@ from flatgrasp_cli.results.figures.labels import Label, put
 from flatgrasp_cli.results.figures.marks import draw_triad
 from flatgrasp_cli.results.figures.page import Page
 from flatgrasp_cli.results.figures.style import BLUE, GREY, MM, closed, counted, tick_labels
-from flatgrasp_cli.results.figures.view import View, view_of
+from flatgrasp_cli.results.view import View, view_of
 
 CAN = "the hand can carry it out"
 

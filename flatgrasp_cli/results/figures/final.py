@@ -19,7 +19,7 @@ from flatgrasp_cli.results.figures.marks import draw_base, draw_sensor, draw_tri
 from flatgrasp_cli.results.figures.page import Page
 from flatgrasp_cli.results.figures.scene import draw_scene
 from flatgrasp_cli.results.figures.style import MM, counted
-from flatgrasp_cli.results.figures.view import middle_of, view_of
+from flatgrasp_cli.results.view import middle_of, normal_of, view_of
 
 REASONS = 3
 """Objects without a grasp of which the caption says why."""
@@ -27,7 +27,7 @@ REASONS = 3
 
 def final_figure(plan: Plan) -> Figure:
     """The best grasp close by; of a scene beside a view of all its objects, and of a robot with its arm."""
-    normal, scene, close, arm = _normal(plan), plan.scene.support is not None, bool(plan.objects), has_arm(plan)
+    normal, scene, close, arm = normal_of(plan), plan.scene.support is not None, bool(plan.objects), has_arm(plan)
     view = view_of(plan, normal)
     source = replace(plan.cloud.source, path=Path(plan.cloud.source.path).name)
     page = Page(f"{source} · {plan.gripper.description}", max(1, scene + close + arm))
@@ -46,14 +46,6 @@ def final_figure(plan: Plan) -> Figure:
     if not scene and not close:
         page.panel("nothing to grasp").set_axis_off()
     return page.finish(_caption(plan, normal))
-
-
-def _normal(plan: Plan) -> FloatArray:
-    """The unit normal (3,) of the plane that grasps are planned in, toward where the hand comes from."""
-    if plan.scene.support is not None:
-        return plan.scene.support.normal
-    outline = plan.objects[0].trace.silhouette if plan.objects else None
-    return np.array([0.0, 0.0, -1.0]) if outline is None else outline.frame.axes[2]
 
 
 def _level(item: ObjectPlan) -> str:

@@ -14,7 +14,7 @@ from flatgrasp_cli.geometry.frames import axes_from_quaternion
 from flatgrasp_cli.model import Grasp
 from flatgrasp_cli.profiles import Gripper
 from flatgrasp_cli.results.figures.style import GREEN, GREY, MM, ORANGE, RED
-from flatgrasp_cli.results.figures.view import View
+from flatgrasp_cli.results.view import View
 
 AXIS_M, NAME_M = 0.012, 0.018
 """Length of the hand's axes, drawn beyond its rim where they hide nothing, and where their names are."""

@@ -13,7 +13,7 @@ from flatgrasp_cli.model import Sensor
 from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.results.figures.labels import Label, free_corner
 from flatgrasp_cli.results.figures.style import BLACK, MM, SKY
-from flatgrasp_cli.results.figures.view import NAMES, View
+from flatgrasp_cli.results.view import NAMES, View
 
 TRIAD_PX = 96.0
 ARROW_PX = 42.0

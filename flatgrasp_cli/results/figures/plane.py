@@ -15,7 +15,7 @@ from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.results.figures.close import draw_loops
 from flatgrasp_cli.results.figures.page import Page, show
 from flatgrasp_cli.results.figures.style import GREY, draw_segments, tick_labels
-from flatgrasp_cli.results.figures.view import view_of
+from flatgrasp_cli.results.view import view_of
 
 MARGIN_MM = 20.0
 

@@ -28,7 +28,7 @@ from flatgrasp_cli.results.figures.style import (
     thinned,
     tick_labels,
 )
-from flatgrasp_cli.results.figures.view import View
+from flatgrasp_cli.results.view import View
 
 COLORS = (BLUE, GREEN, PURPLE, SKY, ORANGE)
 MARGIN_MM = 120.0

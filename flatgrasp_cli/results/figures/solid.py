@@ -24,7 +24,7 @@ from flatgrasp_cli.results.figures.style import (
     entitle,
     new_figure,
 )
-from flatgrasp_cli.results.figures.view import view_of
+from flatgrasp_cli.results.view import view_of
 
 UPRIGHT = ("to the right (mm)", "away (mm)", "up (mm)")
 AZIMUTH_DEG = -45.0

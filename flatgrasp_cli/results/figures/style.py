@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from flatgrasp_cli.errors import FigureError
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.sampling import spread_indices
-from flatgrasp_cli.results.figures.view import View
+from flatgrasp_cli.results.view import View
 
 Scalar = TypeVar("Scalar", bound=np.generic)
 # Okabe & Ito's palette: told apart by every kind of colour vision.

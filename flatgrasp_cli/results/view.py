@@ -76,6 +76,14 @@ def view_of(plan: Plan, normal: FloatArray) -> View:
     return View(Frame(np.zeros(3), np.stack([np.cross(y, normal), y, normal])))
 
 
+def normal_of(plan: Plan) -> FloatArray:
+    """The unit normal (3,) of the plane that grasps are planned in, toward where the hand comes from."""
+    if plan.scene.support is not None:
+        return plan.scene.support.normal
+    outline = plan.objects[0].trace.silhouette if plan.objects else None
+    return np.array([0.0, 0.0, -1.0]) if outline is None else outline.frame.axes[2]
+
+
 def middle_of(plan: Plan) -> FloatArray:
     """The middle (3,) of what is looked at: the objects, or the whole cloud."""
     points = np.concatenate([item.object.points for item in plan.objects] or [plan.cloud.points])
