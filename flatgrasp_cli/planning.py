@@ -13,7 +13,7 @@ from flatgrasp_cli.model import Cloud, CloudWarning, Grasp, ObjectPlan, Reach, R
 from flatgrasp_cli.planner import plan_object
 from flatgrasp_cli.profiles import CameraPose, Gripper, PlannerSettings, Robot, load_settings
 from flatgrasp_cli.robot import Motion, Plane, carried_out, flange_at, reach
-from flatgrasp_cli.scene import segment, without_far_strays
+from flatgrasp_cli.scene import segment, without_far_strays, without_repeats
 from flatgrasp_cli.sensor import located
 
 MAX_TABLE_TILT_DEG = 30.0
@@ -86,7 +86,7 @@ def plan(
     """
     resolved = (settings or load_settings()).resolve(gripper)
     began = time.perf_counter()
-    cloud = located(without_far_strays(cloud), resolved.scene.up, resolved.seed)
+    cloud = located(without_far_strays(without_repeats(cloud)), resolved.scene.up, resolved.seed)
     scene = segment(cloud, resolved.scene, resolved.seed)
     if robot is not None:
         scene = replace(scene, warnings=(*scene.warnings, *_table_tilted(scene.support)))

@@ -56,6 +56,12 @@ class Gripper(Profile):
     """The force with which the fingers can press, newtons; None: not known."""
 
     @model_validator(mode="after")
+    def _adapter_ends_before_the_palm(self) -> Self:
+        if self.adapter_m > self.palm_offset_m:
+            raise ValueError(f"adapter_m is a part of palm_offset_m {self.palm_offset_m}, not {self.adapter_m}")
+        return self
+
+    @model_validator(mode="after")
     def _opens(self) -> Self:
         if self.min_opening_m >= self.max_opening_m:
             raise ValueError(f"min_opening_m {self.min_opening_m} must be below max_opening_m {self.max_opening_m}")
@@ -64,12 +70,6 @@ class Gripper(Profile):
                 f"max_opening_m {self.max_opening_m} must be {LEAST_STROKE_M} m more than min_opening_m "
                 f"{self.min_opening_m} at least"
             )
-        return self
-
-    @model_validator(mode="after")
-    def _adapter_ends_before_the_palm(self) -> Self:
-        if self.adapter_m > self.palm_offset_m:
-            raise ValueError(f"adapter_m is a part of palm_offset_m {self.palm_offset_m}, not {self.adapter_m}")
         return self
 
     @property

@@ -13,6 +13,8 @@ SAMPLE, TAIL_SHARE = 4000, 0.01
 LEAST_MARGIN_M = 1.0
 ALONE = 3
 """So many points within a block of 3 × 3 × 3 cells, or more, are no strays."""
+REPEATED, MOST_REPEATED = 4, 8
+"""A place that a sample holds so often is a repeated one; and how many such places are looked for."""
 MAX_CELLS = 4_000_000
 ROW = 512
 
@@ -31,6 +33,27 @@ def without_far_strays(cloud: Cloud) -> Cloud:
     margin = max(LEAST_MARGIN_M, float(np.linalg.norm(high - low)))
     outside = _outside(cloud.points, low - margin, high + margin)
     return cloud.without(outside) if len(outside) else cloud
+
+
+def without_repeats(cloud: Cloud) -> Cloud:
+    """The cloud with one of each point that it holds again and again; the others are dropped.
+
+    No sensor measures the same place twice to the last digit. What does so are invalid points of which a transform made
+    the sensor's place or another, and copies that fill a cloud up to a length.
+    """
+    sample = cloud.points[spread_indices(len(cloud.points), SAMPLE)]
+    values, counts = np.unique(sample[:, 0], return_counts=True)
+    often = np.argsort(-counts, kind="stable")[:MOST_REPEATED]
+    lost = []
+    for value in values[often[counts[often] >= REPEATED]].tolist():
+        rows = np.flatnonzero(cloud.points[:, 0] == value)
+        _, first, copies = np.unique(cloud.points[rows], axis=0, return_index=True, return_inverse=True)
+        many = np.bincount(copies) >= REPEATED
+        again = many[copies]
+        again[first] = False
+        lost.append(rows[again])
+    gone = np.concatenate(lost) if lost else np.empty(0, dtype=np.intp)
+    return cloud.without(gone) if len(gone) else cloud
 
 
 def _outside(points: FloatArray, low: FloatArray, high: FloatArray) -> IntArray:

@@ -11,8 +11,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.model import SENSOR_FROM_TF, UP_UNTOLD, Cloud, CloudWarning, Sensor
+from flatgrasp_cli.model.clouds import LARGEST_COORDINATE_M
 from flatgrasp_cli.sensor.frame_names import has_z_up
 from flatgrasp_cli.sensor.projection import center_of_projection
 from flatgrasp_cli.sensor.surface import Surface, Verdict
@@ -25,7 +26,8 @@ TILTS_DEG, AROUND = (0.0, 30.0, 55.0), 8
 WIDEST_VIEW_COS = np.cos(np.radians(45))
 """A camera sees what lies within this angle of its line of sight: wider ones are rare."""
 IN_VIEW_SHARE = 0.95
-SAME_PLACE_M = 0.05
+SAME_PLACE_M, LENS_M = 0.05, 0.1
+"""Places this near to each other count as one; a lens that is no pinhole moves the centre that a pinhole would have."""
 NEAREST_M = 0.01
 """No sensor sees what is closer to it: invalid points that were transformed lie at its own place."""
 REMEDY = "--sensor X,Y,Z, above or none states where it was"
@@ -37,12 +39,16 @@ def located(cloud: Cloud, up: tuple[float, float, float] | None, seed: int) -> C
     `up` (3,), of any length, is the way up in the cloud's frame, where that is known.
     """
     rng = np.random.default_rng(seed)
+    if cloud.viewpoint is not None and not _nearby(cloud.viewpoint, np.zeros(3), LARGEST_COORDINATE_M):
+        cloud = replace(cloud, viewpoint=None, inverse_viewpoint=None)
     upward = None if up is None else np.asarray(up) / np.linalg.norm(up)
     sensor, warnings = _stated(cloud, upward, rng)
     if sensor is None and len(cloud.points) < LEAST_POINTS:  # which nothing can be grasped of
         sensor = Sensor("assumed", np.zeros(3)) if cloud.viewpoint is None else Sensor("viewpoint", cloud.viewpoint)
     elif sensor is None:
-        sensor, warnings = _found(cloud, upward, Surface.of(cloud.points, rng))
+        invalid = _rows_at(cloud.points, np.zeros(3))  # if a camera at the origin it is
+        points = np.delete(cloud.points, invalid, axis=0) if len(invalid) else cloud.points
+        sensor, warnings = _found(cloud, upward, Surface.of(points, rng))
     settled = {SENSOR_FROM_TF: sensor.known_from != "transforms", UP_UNTOLD: up is not None}
     kept = [item for item in cloud.warnings if not settled.get(item.code, False)]
     return _without_sensor_itself(replace(cloud, sensor=sensor, warnings=tuple(kept)).warned(*warnings))
@@ -58,11 +64,18 @@ def _stated(
             sensor = replace(sensor, direction=_upward(cloud, rng) if up is None else up)
         return sensor, ()
     center = center_of_projection(cloud.points, cloud.pixels, rng) if cloud.pixels is not None else None
-    if center is None:
-        return sensor, ()
-    stated = cloud.viewpoint
-    differs = stated is not None and np.linalg.norm(stated - center) > SAME_PLACE_M
-    return Sensor("projection", center), (_not_believed("the image's own geometry"),) if differs else ()
+    if center is not None and (sensor is None or not _nearby(sensor.position, center, LENS_M)):
+        wrong = cloud.viewpoint is not None and not _nearby(cloud.viewpoint, center, SAME_PLACE_M)
+        return Sensor("projection", center), (_not_believed("the image's own geometry"),) if wrong else ()
+    if sensor is not None and sensor.known_from == "transforms" and sensor.position is not None:
+        seen = Surface.of(cloud.points, rng).seen_from(sensor.position) != "impossible"
+        return sensor if seen else None, ()
+    return sensor, ()
+
+
+def _nearby(place: FloatArray | None, other: FloatArray, distance_m: float) -> bool:
+    """Whether two places (3,) are closer than a distance."""
+    return place is not None and bool(np.linalg.norm(place - other) < distance_m)
 
 
 def _upward(cloud: Cloud, rng: np.random.Generator) -> FloatArray:
@@ -101,13 +114,17 @@ def _by_viewpoint(
 ) -> tuple[Sensor, tuple[CloudWarning, ...]] | None:
     """The sensor at the `stated` viewpoint (3,), or where that may mean; None if the cloud was not seen from there."""
     verdict, inverse = surface.seen_from(stated), cloud.inverse_viewpoint
+    elsewhere = float(np.linalg.norm(stated)) > SAME_PLACE_M
     if verdict in ("seen", "flat"):
-        unsure = verdict == at_origin == "flat" and _opposite(stated, np.zeros(3), surface)
-        text = "the cloud can have been seen from the stated viewpoint, which is taken, as well as from the origin"
-        return Sensor("viewpoint", stated), (CloudWarning("viewpoint_unsure", f"{text}: {REMEDY}"),) if unsure else ()
+        if inverse is None or at_origin == "impossible" or not elsewhere:
+            return Sensor("viewpoint", stated), ()
+        if at_origin != verdict:
+            text = "the cloud may have been seen from the origin as well as from the stated viewpoint, which is taken"
+            return Sensor("viewpoint", stated), (CloudWarning("viewpoint_unsure", f"{text}: {REMEDY}"),)
+        return Sensor("visibility", np.zeros(3)), (_not_believed("the origin, whose view the cloud lies in,"),)
     if inverse is not None and surface.seen_from(inverse) == "seen":
         return Sensor("inverse_viewpoint", inverse), (_not_believed("its inverse"),)
-    if at_origin == "seen" and np.linalg.norm(stated) > SAME_PLACE_M:
+    if at_origin == "seen" and elsewhere:
         return Sensor("visibility", np.zeros(3)), (_not_believed("the origin"),)
     return (Sensor("viewpoint", stated), ()) if verdict == "hollow" else None
 
@@ -123,9 +140,8 @@ def _looking_down(
         upward, above = surface.standing[0], "seen"
     if at_origin == "impossible" and (above == "seen" or (above == "flat" and cloud.viewpoint is None)):
         place = "the stated viewpoint" if cloud.viewpoint is not None else "a camera at the origin"
-        text = (
-            f"the cloud was hardly seen from {place}, by its shape and place; the hand comes from above, where +z is up"
-        )
+        side = "+z" if surface.standing is None else "the side on which things stand on a plane"
+        text = f"by its shape and place the cloud was hardly seen from {place}; the hand comes from {side}"
         return Sensor("visibility", direction=upward), (CloudWarning("sensor_found", f"{text}: {REMEDY}"),)
     if known_up is not None:
         text = "nothing says where the sensor was; the hand comes from above, as the frame's name or --up says"
@@ -135,12 +151,6 @@ def _looking_down(
         return Sensor("viewpoint", cloud.viewpoint), (CloudWarning("viewpoint_doubted", f"{text}: {REMEDY}"),)
     text = "nothing says where the sensor was, which decides from which side the hand comes; the origin is assumed"
     return Sensor("assumed", np.zeros(3)), (CloudWarning("sensor_assumed", f"{text}: {REMEDY}, --up X,Y,Z the way up"),)
-
-
-def _opposite(one: FloatArray, other: FloatArray, surface: Surface) -> bool:
-    """Whether two places (3,) look at the cloud from opposite sides."""
-    middle = np.median(surface.all_points, axis=0)
-    return bool((one - middle) @ (other - middle) < 0)
 
 
 def _from_above(surface: Surface, up: FloatArray) -> Verdict:
@@ -166,9 +176,7 @@ def _in_view(points: FloatArray, axis: int) -> bool:
 
 
 def _not_believed(instead: str) -> CloudWarning:
-    text = (
-        f"the cloud was not seen from the viewpoint that the source states; {instead} is taken for the sensor's place"
-    )
+    text = f"the cloud was hardly seen from the viewpoint that the source states; {instead} is taken instead"
     return CloudWarning("viewpoint_not_believed", f"{text}: {REMEDY}")
 
 
@@ -177,6 +185,11 @@ def _without_sensor_itself(cloud: Cloud) -> Cloud:
     position = None if cloud.sensor is None else cloud.sensor.position
     if position is None:
         return cloud
-    near = np.flatnonzero(np.abs(cloud.points[:, 0] - position[0]) < NEAREST_M)
-    near = near[np.linalg.norm(cloud.points[near] - position, axis=1) < NEAREST_M]
-    return cloud.without(near) if len(near) else cloud
+    lost = _rows_at(cloud.points, position)
+    return cloud.without(lost) if len(lost) else cloud
+
+
+def _rows_at(points: FloatArray, place: FloatArray) -> IntArray:
+    """Rows of `points` (n, 3) that are no farther from a place (3,) than a sensor sees nothing."""
+    near = np.flatnonzero(np.abs(points[:, 0] - place[0]) < NEAREST_M)
+    return np.asarray(near[np.linalg.norm(points[near] - place, axis=1) < NEAREST_M])

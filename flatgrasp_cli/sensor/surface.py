@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import heapq
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import cv2
 import numpy as np
@@ -38,9 +38,14 @@ EDGE_SHARE = 0.1
 """What lies within this share of a plane's width from its edge may belong to the flank of a box whose top it is."""
 MOST_SCATTER = 0.45
 """Standard deviation of the plane's points over the tolerance: evenly spread ones have 0.58, real tables up to 0.41."""
-LEAST_STANDING, LEAST_STANDING_SHARE, MOST_STANDING, ONE_SIDED = 20, 0.003, 0.6, 0.8
-"""Points that stand on a plane: how many at least, of all points at least, over the plane's own at most, and on one
-side of it at least."""
+TABLE_M = 0.3
+"""A plane as wide as this is hardly a part of one object: a little tells that it is a table."""
+LEAST_STANDING, LEAST_STANDING_SHARE, MOST_STANDING, ONE_SIDED = (20, 8), 0.0015, 0.6, 0.8
+"""Points that stand on a plane: how many at least (fewer on one as wide as a table), of all points at least, over the
+plane's own at most, and on one side of it at least."""
+FILL_POINTS, LEAST_FILLED = 4, 0.6
+"""Points in a cell of a plane, on average, and the share of its convex hull that cells with points fill: shadows leave a
+table more than this."""
 SECTORS, LEAST_SECTORS, AROUND, AROUND_M = 16, 13, 1.5, 0.03
 """Directions around what stands on a plane, and in how many of them the plane must be seen: farther from its middle
 than this many times the distance that half of it has, and than a finger is wide. On a hammer nothing is there."""
@@ -53,8 +58,9 @@ LEAST_FLAT = 0.3
 """Thickness of a neighbourhood over its width, at most, for its points to lie on a surface: single objects that a depth
 camera saw have 0.12 to 0.27, points that fill a slab 0.65."""
 LEAST_FACING = 0.9
-LEAST_BULGE = 0.1
-"""Flat sheets with a depth camera's noise stay below half of this, the least curved of the sample objects at 0.35."""
+LEAST_BULGE, LEAST_TURN = 0.2, 0.03
+"""How surely a surface bulges, and how much its normals turn outward from one neighbour to the next, in radians, for
+that to tell a side: things alone have 0.35 and 0.05 at least, sheets with a few small things on them 0.1 and 0.02."""
 PIXEL_POINTS, BEHIND_PIXELS, MOST_HIDDEN = 4, 4, 0.25
 """Points in a pixel of the range image, on average; how many pixels' width behind another point one is hidden, so that
 a surface seen as flatly as at 15° does not hide itself; and the share that may be: real frames have up to 5 %."""
@@ -109,7 +115,7 @@ class Surface:
 def _standing_plane(points: FloatArray, rng: np.random.Generator) -> tuple[FloatArray, float] | None:
     """Normal and offset of the biggest plane of `points` (n, 3) if things stand on it, all on the normal's side."""
     sample = points[spread_indices(len(points), PLANE_SAMPLE)]
-    plane = consensus_plane(sample, PLANE_TOLERANCE_M, rng) if len(points) >= LEAST_STANDING else None
+    plane = consensus_plane(sample, PLANE_TOLERANCE_M, rng) if len(points) >= LEAST_STANDING[0] else None
     if plane is None:
         return None
     normal, offset = plane
@@ -123,26 +129,44 @@ def _standing_plane(points: FloatArray, rng: np.random.Generator) -> tuple[Float
     off = off[_well_within(frame, points[off], points[flat])]
     above = int(np.count_nonzero(heights[off] > 0))
     most = max(above, len(off) - above)
-    enough = max(LEAST_STANDING, LEAST_STANDING_SHARE * len(points)) <= most <= MOST_STANDING * np.count_nonzero(flat)
-    if not enough or most < ONE_SIDED * len(off) or not _surrounded(frame, points[flat], points[off]):
+    large = bool(2 * np.sqrt(_hull(frame.to_local(points[flat])[:, :2]).area / np.pi) >= TABLE_M)
+    least = max(LEAST_STANDING[large], LEAST_STANDING_SHARE * len(points))
+    if not least <= most <= MOST_STANDING * np.count_nonzero(flat) or most < ONE_SIDED * len(off):
+        return None
+    if not (large and _fills_hull(frame, points[flat])) and not _surrounded(frame, points[flat], points[off]):
         return None
     return (normal, offset) if 2 * above > len(off) else (-normal, -offset)
 
 
+def _fills_hull(frame: Frame, flat: FloatArray) -> bool:
+    """Whether the plane's own points `flat` (n, 3) fill their convex hull, as a table's do."""
+    places = frame.to_local(flat)[:, :2]
+    area = _hull(places).area
+    cell = np.sqrt(FILL_POINTS * area / len(places))
+    return bool(len(np.unique(np.floor(places / cell), axis=0)) * cell**2 >= LEAST_FILLED * area)
+
+
 def _surrounded(frame: Frame, flat: FloatArray, standing: FloatArray) -> bool:
     """Whether the plane's own points `flat` (n, 3) lie around those that are `standing` (k, 3), on nearly all sides."""
+    places = frame.to_local(flat)[:, :2]
     middle = frame.to_local(standing).mean(axis=0)[:2]
     away, apart = (np.hypot(*(frame.to_local(points)[:, :2] - middle).T) for points in (flat, standing))
-    x, y = (frame.to_local(flat)[away > max(AROUND * float(np.median(apart)), AROUND_M)][:, :2] - middle).T
+    x, y = (places[away > max(AROUND * float(np.median(apart)), AROUND_M)] - middle).T
     return len(np.unique(np.floor(np.arctan2(y, x) * SECTORS / (2 * np.pi)) % SECTORS)) >= LEAST_SECTORS
+
+
+def _hull(places: FloatArray) -> Any:
+    """Convex hull of `places` (n, 2), as a shapely geometry."""
+    import shapely
+
+    return shapely.LineString(places).convex_hull
 
 
 def _well_within(frame: Frame, points: FloatArray, flat: FloatArray) -> BoolArray:
     """Which of `points` (n, 3) lie over the plane's own points `flat`, away from their edge."""
     import shapely
 
-    x, y, _ = frame.to_local(flat).T
-    hull = shapely.LineString(np.column_stack([x, y])).convex_hull
+    hull = _hull(frame.to_local(flat)[:, :2])
     margin = EDGE_SHARE * 2 * np.sqrt(hull.area / np.pi)
     u, v, _ = frame.to_local(points).T
     return np.asarray(shapely.contains_xy(hull.buffer(-margin), u, v))
@@ -171,7 +195,9 @@ def _bulging_normals(points: FloatArray) -> tuple[FloatArray, float] | None:
     bends *= distance < 3 * np.median(distance)
     bulges = np.bincount(piece[here], weights=bends)
     normals[bulges[piece] < 0] *= -1
-    return normals, float(np.abs(bulges).sum() / max(np.abs(bends).sum(), 1e-30))
+    outward = float(np.abs(bulges).sum())
+    turn = outward / max(float(distance[bends != 0.0].sum()), 1e-30)
+    return normals, outward / max(float(np.abs(bends).sum()), 1e-30) if turn >= LEAST_TURN else 0.0
 
 
 def _consistent_signs(
