@@ -15,7 +15,7 @@ from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.results.figures.arm import draw_arm, has_arm, manipulability_in_words
 from flatgrasp_cli.results.figures.close import draw_close
 from flatgrasp_cli.results.figures.labels import put
-from flatgrasp_cli.results.figures.marks import draw_base, draw_sensor, draw_triad, sensor_in_words
+from flatgrasp_cli.results.figures.marks import draw_places, draw_triad, sensor_in_words
 from flatgrasp_cli.results.figures.page import Page
 from flatgrasp_cli.results.figures.scene import draw_scene
 from flatgrasp_cli.results.figures.style import MM, counted
@@ -37,7 +37,7 @@ def final_figure(plan: Plan) -> Figure:
         item = plan.objects[0]
         axes = page.panel(f"object {item.object.id}{_level(item)}")
         drawn = draw_close(axes, plan, item, view)
-        labels = [] if scene else [*draw_base(axes, view, plan), *draw_sensor(axes, view, plan)]
+        labels = [] if scene else draw_places(axes, view, plan)
         drawn = np.concatenate([drawn, *(label.thing for label in labels)])
         draw_triad(axes, view, plan.cloud.frame_name, drawn)
         put(axes, labels, drawn)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -20,8 +21,8 @@ ARROW_PX = 42.0
 """Length of an axis that lies in the drawing."""
 FORESHORTENED = 0.25
 """An axis that is drawn shorter than this share of its length is drawn as a sign: it comes out, or goes in."""
-INSET, ARROW_SHARE = 0.03, 0.08
-"""Of a panel: how far from its edge, and how long, an arrow is that tells of something outside."""
+INSET, ARROW_SHARE, APART_SHARE = 0.03, 0.08, 0.08
+"""Of a panel: how far an arrow that tells of something outside is from the edge, how long, and how far apart are two."""
 HALO = {"boxstyle": "round,pad=0.1", "fc": "white", "ec": "none", "alpha": 0.8}
 IN_WORDS = {
     "option": "as stated",
@@ -70,38 +71,42 @@ def draw_triad(axes: Axes, view: View, frame_id: str, drawn: FloatArray) -> None
     axes.add_line(Line2D([], [], color=BLACK, marker=">", ms=5, lw=1.2, label=label))
 
 
-def draw_sensor(axes: Axes, view: View, plan: Plan) -> list[Label]:
-    """Where the sensor was and which way it looked, if that is known and can be drawn; with its label."""
+def draw_places(axes: Axes, view: View, plan: Plan) -> list[Label]:
+    """Where the sensor was and the robot's base is, if that is known and can be drawn; with their labels."""
+    places = []
+    if plan.robot is not None:
+        base = view.of_world(np.zeros((1, 3)))[0]
+        places.append((base, f"base of {plan.robot.name}", "robot's base, and the way to the scene", BLACK))
     sensor = plan.cloud.sensor
-    if sensor is None or sensor.position is None:
-        return []
-    name = "camera (assumed)" if sensor.known_from == "assumed" else "camera"
-    return [draw_place(axes, view.of_world(sensor.position[None])[0], name, "camera, and the way it looks")]
+    if sensor is not None and sensor.position is not None:
+        name = "camera (assumed)" if sensor.known_from == "assumed" else "camera"
+        places.append((view.of_world(sensor.position[None])[0], name, "camera, and the way it looks", SKY))
+    labels: list[Label] = []
+    for place, name, meaning, color in places:
+        beside = [label.thing[0] for label in labels]
+        labels.append(draw_place(axes, place, name, color=color, beside=beside))
+        axes.add_line(Line2D([], [], color=color, marker="s", ms=6, lw=2.0, label=meaning))
+    return labels
 
 
-def draw_base(axes: Axes, view: View, plan: Plan) -> list[Label]:
-    """Where the robot's base is; with its label."""
-    if plan.robot is None:
-        return []
-    origin = view.of_world(np.zeros((1, 3)))[0]
-    return [draw_place(axes, origin, f"base of {plan.robot.name}", "robot's base, and the way to the scene")]
+def draw_place(axes: Axes, place: FloatArray, name: str, *, color: str, beside: Sequence[FloatArray] = ()) -> Label:
+    """A place (2,), with an arrow to the drawing's middle; of one outside the arrow comes from that edge.
 
-
-def draw_place(axes: Axes, place: FloatArray, name: str, meaning: str) -> Label:
-    """A place (2,), with an arrow to the drawing's middle; of one outside the arrow comes from that edge."""
+    There it is moved along the edge where it would cover one of the marks `beside`, places (2,).
+    """
     low, high = np.column_stack([axes.get_xlim(), axes.get_ylim()])
-    middle, half = 0.5 * (low + high), (0.5 - INSET) * (high - low)
+    middle, half, size = 0.5 * (low + high), (0.5 - INSET) * (high - low), float((high - low).max())
     away = place - middle
-    share = float(np.abs(away / half).max())
-    start = place if share <= 1 else middle + away / share
+    share = np.abs(away / half)
+    start = place if share.max() <= 1 else middle + away / share.max()
+    along = np.eye(2)[int(np.argmin(share))]
+    while share.max() > 1 and any(np.linalg.norm(start - other) < APART_SHARE * size for other in beside):
+        start = start + APART_SHARE * size * along
     way = middle - start
-    length = float(np.linalg.norm(way))
-    end = start + way * min(1.0, ARROW_SHARE * float((high - low).max()) / max(length, 1e-9))
-    color = SKY if "camera" in name else BLACK
+    end = start + way * min(1.0, ARROW_SHARE * size / max(float(np.linalg.norm(way)), 1e-9))
     arrow = {"arrowstyle": "-|>", "color": color, "lw": 2.0, "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", tuple(end), tuple(start), arrowprops=arrow, zorder=8)
     axes.plot(*start, "s", color=color, ms=7, zorder=8)
-    axes.add_line(Line2D([], [], color=color, marker="s", ms=6, lw=2.0, label=meaning))
     return Label(name, np.linspace(start, end, 8), {"fontsize": 9, "color": color, "bbox": HALO})
 
 

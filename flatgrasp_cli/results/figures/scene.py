@@ -10,7 +10,7 @@ from flatgrasp_cli.model import ObjectPlan
 from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.results.figures.hand import draw_fingers, draw_refused, hand_extent
 from flatgrasp_cli.results.figures.labels import Label, put
-from flatgrasp_cli.results.figures.marks import draw_base, draw_sensor, draw_triad
+from flatgrasp_cli.results.figures.marks import draw_places, draw_triad
 from flatgrasp_cli.results.figures.page import show
 from flatgrasp_cli.results.figures.style import (
     BLACK,
@@ -40,7 +40,7 @@ def draw_scene(axes: Axes, plan: Plan, view: View) -> None:
     show(axes, np.concatenate(things or [view.of_world(plan.cloud.points)]), MARGIN_MM)
     _draw_cloud(axes, plan, view)
     labels = [_draw_object(axes, plan, k, view) for k in range(len(plan.objects))]
-    labels += [*draw_base(axes, view, plan), *draw_sensor(axes, view, plan)]
+    labels += draw_places(axes, view, plan)
     drawn = np.concatenate([np.empty((0, 2)), *map(thinned, things), *(label.thing for label in labels)])
     tick_labels(axes, view)
     draw_triad(axes, view, plan.cloud.frame_name, drawn)
