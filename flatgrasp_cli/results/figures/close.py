@@ -26,7 +26,7 @@ from flatgrasp_cli.results.figures.style import (
 from flatgrasp_cli.results.view import View
 
 OTHERS = 5
-MARGIN_SHARE = 0.12
+MARGIN_SHARE = 0.15
 """Room around an object and its hand, of what is drawn."""
 MAX_MISSED = 60
 """Pairs that are drawn of those that the last stage removed."""
@@ -97,7 +97,8 @@ def _draw_missed(axes: Axes, item: ObjectPlan, view: View) -> None:
     left = [(stage, pairs) for stage, pairs in item.trace.survivors.items() if len(pairs)]
     if outline is None or fingers is None or not left:
         return
-    stage, pairs = left[-1]
+    _, pairs = left[-1]
+    stage = item.rejection.stage.replace("_", " ") if item.rejection else "the next stage"
     contacts = [view.of_plane(outline.frame, fingers.contact[pairs[:MAX_MISSED, side]]) for side in (0, 1)]
     lines = draw_segments(axes, *contacts, colors=BLUE, linewidths=0.6, zorder=3)
-    lines.set_label(f"last pairs left, after {stage.replace('_', ' ')}")
+    lines.set_label(f"the last pairs, refused by: {stage}")

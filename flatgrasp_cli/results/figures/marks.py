@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
 
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import Sensor
@@ -47,7 +48,10 @@ def draw_triad(axes: Axes, view: View, frame_id: str, drawn: FloatArray) -> None
     ends = np.where(signs[:, None], 0.0, ARROW_PX * flat)
     extent = np.vstack([ends, np.zeros(2)])
     room = 0.5 * TRIAD_PX - 0.5 * (extent.min(axis=0) + extent.max(axis=0))
-    origin = np.where(corner, size - TRIAD_PX, 0.0) + room
+    at = np.where(corner, size - TRIAD_PX, 0.0)
+    origin = at + room
+    low, share = at / size, TRIAD_PX / size
+    axes.add_patch(Rectangle(tuple(low), *share, transform=axes.transAxes, fc="white", ec="none", alpha=0.8, zorder=10))
     style: dict[str, Any] = {
         "xycoords": "axes pixels",
         "textcoords": "axes pixels",
