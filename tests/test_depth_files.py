@@ -24,7 +24,7 @@ from tests.conftest import Run
 Image = NDArray[Any]
 FX, FY, CX, CY = 100.0, 200.0, 1.0, 0.5
 NUMBERS = "100,200,1,0.5"
-COUNTS: Image = np.array([[500, 0, 700, 800], [1000, 900, 65535, 600]], np.uint16)
+COUNTS: Image = np.array([[500, 0, 700, 800], [1000, 900, 60000, 600]], np.uint16)
 """Two rows of four pixels; 0 is no depth."""
 POINTS = [  # x = (u − cx) / fx · z, y = (v − cy) / fy · z
     (-0.005, -0.00125, 0.5),
@@ -32,7 +32,7 @@ POINTS = [  # x = (u − cx) / fx · z, y = (v − cy) / fy · z
     (0.016, -0.002, 0.8),
     (-0.01, 0.0025, 1.0),
     (0.0, 0.00225, 0.9),
-    (0.65535, 0.1638375, 65.535),
+    (0.6, 0.15, 60.0),
     (0.012, 0.0015, 0.6),
 ]
 
@@ -102,7 +102,7 @@ def test_the_depth_unit_is_metres_in_a_count(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("image", "warned"), [(COUNTS * 10, True), (COUNTS, False)], ids=["0.1 mm", "mm"])
 def test_depth_that_cannot_be_in_millimetres_is_told(image: Image, warned: bool, tmp_path: Path) -> None:
-    image = np.where(COUNTS == 65535, 0, image).astype(np.uint16)
+    image = np.where(COUNTS == 60000, 0, image).astype(np.uint16)
     cloud = read(tmp_path / "image", encoded(image, ".png"))
     assert [item.code for item in cloud.warnings] == ["depth_unit_assumed"] * warned
     assert read(tmp_path / "image", encoded(image, ".png"), depth_unit_m=0.001).warnings == ()
@@ -325,3 +325,25 @@ def test_an_image_that_is_no_depth_stops_a_folder_and_is_named(tmp_path: Path) -
     (folder / "001.png").write_bytes(encoded(COLOURS, ".png"))
     with pytest.raises(FlatgraspError, match=r"001\.png: the PNG has 8 bits"):
         list(read_clouds(folder, selection=Selection(intrinsics=parse_intrinsics(CAMERA[1]))))
+
+
+def test_the_last_count_is_no_reading(tmp_path: Path) -> None:
+    raw = np.full((4, 5), 65_535, dtype=np.uint16)
+    raw[1, 2] = 500
+    np.save(tmp_path / "full.npy", raw)
+    (cloud,) = read_clouds(tmp_path / "full.npy", selection=Selection(intrinsics=parse_intrinsics("500,500,2,1.5")))
+    assert (len(cloud.points), cloud.dropped) == (1, 19)
+
+
+@pytest.mark.parametrize("matrix", ["[500, 0, 2, 0, 600, 1.5, 0, 0, 1]", "[[500, 0, 2], [0, 600, 1.5], [0, 0, 1]]"])
+def test_a_matrix_by_rows_is_told_by_its_zeros(matrix: str, tmp_path: Path) -> None:
+    path = tmp_path / "camera.json"
+    path.write_text(f'{{"width": 5, "height": 4, "intrinsic_matrix": {matrix}}}')
+    assert parse_intrinsics(str(path)).k == (500, 0, 2, 0, 600, 1.5, 0, 0, 1)
+
+
+def test_a_principal_point_of_another_image_size_is_told(tmp_path: Path) -> None:
+    np.save(tmp_path / "small.npy", np.full((4, 5), 500, dtype=np.uint16))
+    for camera, codes in (("500,500,2,1.5", []), ("500,500,4.5,3.5", ["intrinsics_doubted"])):
+        (cloud,) = read_clouds(tmp_path / "small.npy", selection=Selection(intrinsics=parse_intrinsics(camera)))
+        assert [warning.code for warning in cloud.warnings] == codes

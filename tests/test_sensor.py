@@ -16,7 +16,7 @@ from flatgrasp_cli.errors import UsageError
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion
 from flatgrasp_cli.model import ImageGrid, Sensor
-from flatgrasp_cli.scene import without_far_strays
+from flatgrasp_cli.scene import without_far_strays, without_repeats
 from flatgrasp_cli.sensor import located
 from flatgrasp_cli.sensor.frame_names import has_z_up, is_optical
 from flatgrasp_cli.sensor.projection import center_of_projection
@@ -384,3 +384,58 @@ def test_objects_do_not_vanish_with_the_order_of_the_points(shape: tuple[int, in
     for order in (np.arange(len(points)), rng().permutation(len(points))):
         cloud = Cloud(points[order], viewpoint=np.array([0.0, 0.0, 1.2]))
         assert len(plan(cloud, load_gripper("franka_hand")).objects) == 4
+
+
+class TestRepeats:
+    """What lies in one place again and again was not measured."""
+
+    @pytest.mark.parametrize("place", [(0.0, 0.0, 0.3), (0.02, 0.01, 0.04), (0.3, 0.2, 0.5)])
+    def test_many_equal_points_change_nothing(self, place: tuple[float, float, float]) -> None:
+        cloud = SLANTED.sees(TABLE, BLOCK)
+        dirty = replace(cloud, points=np.vstack([np.tile(place, (600, 1)), cloud.points]))
+        one, other = plan(cloud, load_gripper("pr2")), plan(dirty, load_gripper("pr2"))
+        assert other.cloud.dropped >= 599
+        assert one.best is not None
+        assert other.best is not None
+        assert other.best.position == pytest.approx(one.best.position, abs=1 * MM)
+
+    def test_invalid_points_that_a_transform_moved(self) -> None:
+        """Zeros of a driver, moved into a robot's frame, lie where the sensor is; here nobody says where that is."""
+        cloud = moved(seen(SLANTED, BLOCK), 0.45, 0.1, 0.4)
+        sensor = SLANTED.frame.origin + np.array([0.45, 0.1, 0.4])
+        dirty = replace(cloud, points=np.vstack([cloud.points, np.tile(sensor, (len(cloud.points) // 6, 1))]))
+        one, other = (plan(each, load_gripper("pr2")).best for each in (cloud, dirty))
+        assert one is not None
+        assert other is not None
+        assert other.position == pytest.approx(one.position, abs=1 * MM)
+
+    def test_a_grid_of_rounded_coordinates_stays(self) -> None:
+        x, y = np.meshgrid(np.arange(60) * MM, np.arange(80) * MM)
+        cloud = Cloud(np.column_stack([x.ravel(), y.ravel(), np.full(x.size, 0.5)]))
+        assert without_repeats(cloud).dropped == 0
+
+
+class TestHeldAgainstTheCloud:
+    def test_a_viewpoint_of_a_file_whose_cloud_a_camera_at_the_origin_sees_as_well(self) -> None:
+        cloud = seen(SLANTED, TABLE, BLOCK, CAN)
+        aside = np.array([0.3, -0.2, 0.1])  # of a camera at the origin, and on its side of the table
+        local = replace(cloud, points=SLANTED.frame.to_local(cloud.points), viewpoint=aside)
+        assert sensor_of(local).known_from == "viewpoint"  # nobody else's pose could be meant
+        pose = replace(local, inverse_viewpoint=np.array([5.0, 5.0, 5.0]))
+        assert sensor_of(pose).position == pytest.approx(NOWHERE)
+        assert codes(pose) == ["viewpoint_not_believed"]
+
+    def test_a_sensor_by_the_transforms_that_cannot_be(self) -> None:
+        cloud = seen(SLANTED, TABLE, BLOCK, sensor=Sensor("transforms", np.array([0.0, 0.0, -1.0])))
+        assert sensor_of(cloud).known_from == "visibility"
+        likely = replace(cloud, sensor=Sensor("transforms", SLANTED.frame.origin))
+        assert sensor_of(likely).known_from == "transforms"
+
+    def test_a_lens_does_not_move_a_depth_images_sensor(self) -> None:
+        points = image(SLANTED, TABLE, BLOCK)
+        cloud = Cloud(points, sensor=Sensor("frame", SLANTED.frame.origin + np.array([0.0, 0.03, 0.05])))
+        assert sensor_of(cloud).known_from == "frame"
+
+    def test_a_viewpoint_out_of_this_world_says_nothing(self) -> None:
+        cloud = replace(SLANTED.sees(TABLE, BLOCK), viewpoint=np.array([1e30, 0.0, 0.0]))
+        assert sensor_of(cloud).known_from == "visibility"

@@ -19,6 +19,12 @@ def positive(_context: click.Context, _parameter: click.Parameter, value: float 
     return value
 
 
+def _unit(context: click.Context, parameter: click.Parameter, value: float | None) -> float | None:
+    if value is not None and value > 1:
+        raise click.BadParameter(f"{value} metres a count is more than any depth image has")
+    return positive(context, parameter, value)
+
+
 IMAGE_OPTIONS = (
     click.option(
         "--intrinsics",
@@ -28,7 +34,7 @@ IMAGE_OPTIONS = (
     click.option(
         "--depth-unit",
         type=float,
-        callback=positive,
+        callback=_unit,
         metavar="METRES",
         help="One count of depth images in metres; 0.001 for integers, 1 for floats if not given.",
     ),

@@ -44,8 +44,8 @@ LEAST_STANDING, LEAST_STANDING_SHARE, MOST_STANDING, ONE_SIDED = (20, 8), 0.0015
 """Points that stand on a plane: how many at least (fewer on one as wide as a table), of all points at least, over the
 plane's own at most, and on one side of it at least."""
 FILL_POINTS, LEAST_FILLED = 4, 0.6
-"""Points in a cell of a plane, on average, and the share of its convex hull that cells with points fill: shadows leave a
-table more than this."""
+"""Points in a cell of a plane, on average, and the share of its convex hull that cells with points fill: tables keep
+more than this, shadows and all."""
 SECTORS, LEAST_SECTORS, AROUND, AROUND_M = 16, 13, 1.5, 0.03
 """Directions around what stands on a plane, and in how many of them the plane must be seen: farther from its middle
 than this many times the distance that half of it has, and than a finger is wide. On a hammer nothing is there."""

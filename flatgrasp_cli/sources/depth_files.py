@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from flatgrasp_cli.errors import SourceError, UsageError
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
-from flatgrasp_cli.model import Cloud, ImageGrid, Sensor, Source
+from flatgrasp_cli.model import Cloud, CloudWarning, ImageGrid, Sensor, Source
 from flatgrasp_cli.sources.depth_axes import in_body_axes
 from flatgrasp_cli.sources.messages import MessageError
 from flatgrasp_cli.sources.messages.depth_image import MILLIMETRE, DepthImage
@@ -25,6 +25,13 @@ from flatgrasp_cli.sources.tiff import decode_tiff, tiff_size
 
 SUFFIXES = (".png", ".tif", ".tiff", ".npy")
 NPY_MAGIC = b"\x93NUMPY"
+MOST_ASIDE = 0.25
+"""Of the image's sides: cameras have their principal point this near to the middle, cut-out images aside."""
+CAMERA_DOUBTED = CloudWarning(
+    "intrinsics_doubted",
+    "the principal point that --intrinsics states is far from the middle of the image, as if it were for another size; "
+    "--intrinsics FILE states the size, too",
+)
 MOST_PIXELS = 2**24
 """Sixteen million: no depth camera has more, and a point takes a hundred bytes on its way."""
 POINT_COLUMNS = (3, 4, 6)
@@ -87,9 +94,17 @@ class DepthFiles:
             dropped=raw.size - len(points),
             sensor=Sensor("frame", np.zeros(3)),
             pixels=ImageGrid((raw.shape[0], raw.shape[1]), filled) if min(raw.shape) > 1 else None,
-            warnings=(doubt,) if doubt else (),
+            warnings=tuple(item for item in (doubt, self._camera_doubt(raw.shape)) if item is not None),
         )
         return in_body_axes(cloud) if self._selection.depth_axes == "body" else cloud
+
+    def _camera_doubt(self, shape: tuple[int, ...]) -> CloudWarning | None:
+        """A warning if the principal point is far from the middle of the image: another size has it there."""
+        info = self._selection.intrinsics
+        if info is None:
+            return None
+        share = np.array([info.k[2] / shape[1], info.k[5] / shape[0]])
+        return CAMERA_DOUBTED if (np.abs(share - 0.5) > MOST_ASIDE).any() else None
 
     def _rays_of(self, shape: tuple[int, ...]) -> FloatArray:
         info = self._selection.intrinsics

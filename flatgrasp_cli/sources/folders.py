@@ -37,9 +37,10 @@ def kind_of_folder(folder: Path, name: str) -> Literal["recording", "images"]:
     given = name.rstrip("/") or name
     if clouds or recordings:
         suffix = (clouds or recordings)[0].suffix
+        batch = "" if images else f", or plan all with flatgrasp batch {given}"
         raise SourceError(
             f"{name}: is a folder with {len(clouds)} clouds, {len(recordings)} recordings and {len(images)} images; "
-            f"give the files, e.g. {given}/*{suffix}, or plan all with flatgrasp batch {given}"
+            f"give the files, e.g. {given}/*{suffix}{batch}"
         )
     raise SourceError(
         f"{name}: is a folder without recordings or depth images; give the files in it, e.g. {given}/*.pcd"

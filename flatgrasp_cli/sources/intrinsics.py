@@ -71,10 +71,12 @@ def _from_file(text: str) -> CameraInfo:
 
 
 def _from_open3d(values: Mapping[str, Any]) -> CameraInfo:
-    """Open3D writes the matrix column by column."""
+    """Open3D writes the matrix column by column; others write its rows, which their place of the zeros tells."""
     m = _numbers(values["intrinsic_matrix"], "intrinsic_matrix")
     if len(m) != 9:
         raise ValueError(f"intrinsic_matrix has {len(m)} numbers, it needs 9")
+    if (m[6], m[7]) == (0.0, 0.0):
+        m = (m[0], m[3], m[6], m[1], m[4], m[7], m[2], m[5], m[8])
     return _pinhole((m[0], m[4], m[6], m[7]), (_size(values, "width"), _size(values, "height")))
 
 

@@ -18,6 +18,8 @@ from flatgrasp_cli.sources.messages.rvl import decode_rvl, rvl_size
 MILLIMETRES = frozenset({"16UC1", "mono16"})
 METRES = frozenset({"32FC1"})
 MILLIMETRE = 0.001
+FULL_SCALE = 65_535
+"""What some drivers write for no reading: no 16-bit sensor measures its last count."""
 CONFIG_HEADER = struct.Struct("<iff")
 """compressedDepth puts before the PNG or the RVL: a format that nobody sets, and the quantisation's A and B."""
 
@@ -39,6 +41,8 @@ class DepthImage:
         raw = self.raw.reshape(-1)
         with np.errstate(invalid="ignore"):
             pixels = np.flatnonzero((raw > 0) & np.isfinite(raw))
+        if raw.dtype == np.uint16 and self.inverse is None:
+            pixels = pixels[raw[pixels] < FULL_SCALE]
         depth = raw[pixels].astype(np.float64)
         if self.inverse is not None:
             a, b = self.inverse
