@@ -225,7 +225,9 @@ def _grasps(
 
 def _no_plane(points: FloatArray) -> str:
     if len(points) == 0:
-        return "no point of the cloud was measured: all are invalid, 0 0 0, or farther than 10 km from the frame's origin"
+        return (
+            "no point of the cloud was measured: all are invalid, 0 0 0, or farther than 10 km from the frame's origin"
+        )
     distinct = len(np.unique(points, axis=0))
     if distinct < 3:
         return f"the cloud has {distinct} distinct point{'s' if distinct > 1 else ''}, an outline needs three"

@@ -18,12 +18,14 @@ from flatgrasp_cli.results.figures.style import BLACK, MM, SKY
 from flatgrasp_cli.results.view import NAMES, View
 
 TRIAD_PX = 96.0
+BEHIND = 2.4
+"""The order of what hides the cloud and the outline, but not the panel's rim."""
 ARROW_PX = 42.0
 """Length of an axis that lies in the drawing."""
 FORESHORTENED = 0.25
 """An axis that is drawn shorter than this share of its length is drawn as a sign: it comes out, or goes in."""
 INSET, ARROW_SHARE, APART_SHARE = 0.03, 0.08, 0.08
-"""Of a panel: how far an arrow that tells of something outside is from the edge, how long, and how far apart are two."""
+"""Of a panel: how far from its edge, and how long, an arrow to something outside is, and how far apart two are."""
 HALO = {"boxstyle": "round,pad=0.1", "fc": "white", "ec": "none", "alpha": 0.8}
 IN_WORDS = {
     "option": "as stated",
@@ -51,7 +53,9 @@ def draw_triad(axes: Axes, view: View, frame_id: str, drawn: FloatArray) -> None
     at = np.where(corner, size - TRIAD_PX, 0.0)
     origin = at + room
     low, share = at / size, TRIAD_PX / size
-    axes.add_patch(Rectangle(tuple(low), *share, transform=axes.transAxes, fc="white", ec="none", alpha=0.8, zorder=10))
+    axes.add_patch(
+        Rectangle(tuple(low), *share, transform=axes.transAxes, fc="white", ec="none", alpha=0.8, zorder=BEHIND)
+    )
     style: dict[str, Any] = {
         "xycoords": "axes pixels",
         "textcoords": "axes pixels",
