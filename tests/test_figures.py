@@ -282,6 +282,19 @@ def test_the_stage_in_space_stands_upright_with_the_hand_above(pr2: Gripper) -> 
     assert np.min(flange.get_data_3d()[2]) > np.max(contacts.get_data_3d()[2])
 
 
+def test_stages_of_pairs_come_in_the_order_of_the_funnel_and_below_their_titles(pr2: Gripper) -> None:
+    result = planned(pr2, SMALL)
+    stages = dict(stage_figures(result))
+    names = [name[3:] for name in stages]
+    order = [stage.stage for stage in result.objects[0].funnel if stage.stage in names]
+    assert [name for name in names if name in order] == order
+    for name in (name for name in stages if name.endswith(("_image", "_surface", "_funnel"))):
+        figure = stages[name]()
+        figure.draw_without_rendering()
+        title = figure._suptitle.get_window_extent()  # type: ignore[attr-defined]
+        assert all(axes.get_window_extent().y1 < title.y0 for axes in figure.axes)
+
+
 class TestArm:
     def arms(self, axes: Any) -> list[FloatArray]:
         lines = [line for line in axes.lines if str(line.get_label()).startswith("arm ")]

@@ -17,10 +17,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.results.figures.style import CORNER_IN, DPI, entitle
+from flatgrasp_cli.results.figures.style import CORNER_IN, DPI, TITLE_IN, entitle
 
 WIDTH_IN = 10.0
-TITLE_IN = 0.42
 LEFT_IN, RIGHT_IN, TOP_IN, BOTTOM_IN = 0.78, 0.12, 0.36, 0.62
 """Room around a panel for its title, ticks and labels."""
 LEGEND_ROW_IN, CAPTION_ROW_IN = 0.215, 0.2

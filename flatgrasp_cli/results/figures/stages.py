@@ -69,7 +69,7 @@ def _drawings(item: ObjectPlan) -> Iterator[tuple[str, Draw]]:
         (balanced, "force_balance_image", _balance_image),
         (balanced, "force_balance_surface", balance_surface),
         (True, "funnel", _funnel),
-        *((fingers and stage in trace.survivors, stage, _pairs_of(stage)) for stage in PAIR_STAGES),
+        *((fingers, stage, _pairs_of(stage)) for stage in trace.survivors if stage in PAIR_STAGES),
         (fingers and trace.ranked is not None and trace.gravity_distance_m is not None, "gravity", _gravity),
         (outlined and bool(item.grasps), "final_grasp", final_on_cloud),
     ]

@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import FuncFormatter
 from numpy.typing import NDArray
 
@@ -28,8 +29,8 @@ ORANGE, SKY, GREEN, BLUE, RED, PURPLE = "#E69F00", "#56B4E9", "#009E73", "#0072B
 
 MM = 1e3
 DPI = 120
-CORNER_IN = (0.2, 0.12)
-"""Where titles begin."""
+CORNER_IN, TITLE_IN = (0.2, 0.12), 0.42
+"""Where titles begin, and the room above the drawings that is theirs."""
 MAX_POINTS = 6000
 """Points drawn of a cloud: more only darken the picture."""
 
@@ -46,6 +47,9 @@ def entitle(figure: Figure, title: str) -> None:
     width, height = figure.get_size_inches()
     place = {"x": CORNER_IN[0] / width, "y": 1 - CORNER_IN[1] / height, "ha": "left", "va": "top"}
     figure.suptitle(title, fontsize=11, fontweight="bold", **place)
+    engine = figure.get_layout_engine()
+    if isinstance(engine, ConstrainedLayoutEngine):  # which leaves no room for a title that has a place of its own
+        engine.set(rect=(0, 0, 1, 1 - TITLE_IN / height))
 
 
 def as_png(draw: Callable[[], Figure | None]) -> bytes | None:
