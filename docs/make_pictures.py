@@ -1,13 +1,16 @@
 """Makes the pictures in docs/: `python docs/make_pictures.py [NAME…]`, all of them without a name.
 
-Names: frames
+Names: frames, teddy_bear, table_scene, robot, pan_cage. frame_rate.png is made by benchmarks/frame_rate.py, which
+needs a quiet machine.
 """
 
 from __future__ import annotations
 
+import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from flatgrasp_cli import load_gripper
 from flatgrasp_cli.results.figures import as_png
@@ -15,6 +18,9 @@ from flatgrasp_cli.results.figures.frames import frames_figure
 from flatgrasp_cli.whole_files import write_bytes
 
 FOLDER = Path(__file__).resolve().parent
+SAMPLES = FOLDER.parent / "sample_data"
+LEVEL = "0,-0.05,0.7,0.9406,0,0,-0.3395"
+"""A camera pose that brings the table scene level before an arm."""
 
 
 def frames() -> None:
@@ -23,7 +29,39 @@ def frames() -> None:
     write_bytes(FOLDER / "frames.png", content or b"")
 
 
-PICTURES: dict[str, Callable[[], None]] = {"frames": frames}
+def teddy_bear() -> None:
+    """teddy_bear.grasps.png: the first picture that a newcomer makes."""
+    _of_command("plan", "teddy_bear", "grasps")
+
+
+def table_scene() -> None:
+    """table_scene.grasps.png: several objects on a table."""
+    _of_command("plan", "table_scene", "grasps", "--gripper", "pr2")
+
+
+def robot() -> None:
+    """robot.grasps.png: the same before an arm."""
+    options = ("--gripper", "robotiq_2f_85", "--robot", "ur5e", f"--camera-pose={LEVEL}")
+    _of_command("plan", "table_scene", "grasps", *options, saved_as="robot.grasps.png")
+
+
+def pan_cage() -> None:
+    """pan.cage.png: the cage of a pan's handle."""
+    _of_command("cage", "pan", "0.cage", saved_as="pan.cage.png")
+
+
+def _of_command(command: str, sample: str, kind: str, *options: str, saved_as: str | None = None) -> None:
+    """Keep the picture of a kind that a command draws of a sample."""
+    with TemporaryDirectory() as out:
+        source = SAMPLES / f"{sample}.pcd"
+        line = [sys.executable, "-m", "flatgrasp_cli", command, str(source), *options, "--out", out]
+        subprocess.run(line, check=True, stdout=subprocess.DEVNULL)  # noqa: S603 - the program itself
+        write_bytes(FOLDER / (saved_as or f"{sample}.{kind}.png"), (Path(out) / f"{sample}.{kind}.png").read_bytes())
+
+
+PICTURES: dict[str, Callable[[], None]] = {
+    draw.__name__: draw for draw in (frames, teddy_bear, table_scene, robot, pan_cage)
+}
 
 
 if __name__ == "__main__":

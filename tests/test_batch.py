@@ -17,15 +17,19 @@ from html.parser import HTMLParser
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import numpy as np
 import pytest
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Ros2Writer
 
+from flatgrasp_cli import __version__
 from flatgrasp_cli.batch import run as run_module
 from flatgrasp_cli.batch.inputs import find_inputs, fingerprint
 from flatgrasp_cli.batch.slices import FRAMES, slices_of
+from flatgrasp_cli.batch.store import Store
+from flatgrasp_cli.batch.summary import chosen, summarize
 from flatgrasp_cli.batch.work import work as work_of_a_slice
 from flatgrasp_cli.sources.selection import Every, Moment, Selection
 from flatgrasp_cli.whole_files import write_text
@@ -180,10 +184,55 @@ def test_summary_table_and_report(plate: Path, run: Run, tmp_path: Path) -> None
     page = Path("out/report.html").read_text()
     read = Page(page)
     assert read.open == []
-    assert read.links == []
+    assert all(link.startswith("./") for link in read.links)
+    assert all(Path("out", unquote(link)).exists() for link in read.links)
+    assert {"./summary.json", "./plate.pcd.jsonl", "./wide.pcd.jsonl"} <= set(read.links)
+    assert any(unquote(link).endswith("/<b>broken & bad.pcd") for link in read.links)
     assert page.index("broken") < page.index("wide.pcd") < page.index("plate.pcd")
     assert "<b>broken" not in page
     assert page.count("<svg") == 2
+    assert f"flatgrasp {__version__}" in page
+    assert "pr2: two fingers on an arc, opens 90 mm" in page
+    assert "scene.mode = object" in page
+    assert "too wide or too narrow for the gripper (1)" in page
+
+
+def test_every_object_of_a_scene_is_in_the_report(run: Run) -> None:
+    assert run("batch", SAMPLES / "table_scene.pcd", "-o", "out", "-j", "1", "--gripper", "pr2", "--plots").code == 0
+    page = Path("out/report.html").read_text()
+    (document,) = documents(Path("out/table_scene.pcd.jsonl"))
+    assert page.count("<path") == len(document["objects"]) == 4
+    for thing in document["objects"]:
+        best = thing["grasps"][0] if thing["grasps"] else None
+        line = f"{1000 * best['width_m']:.0f} mm wide" if best else "no grasp: "
+        assert f"<li>{thing['id']}: {line}" in page
+    assert 'href="./table_scene.pcd/cloud.grasps.png"' in page
+
+
+def test_the_first_frame_of_a_worker_is_not_counted_in_the_times_of_frames(run: Run) -> None:
+    assert run("batch", SAMPLES / "pan_ros2", "-o", "out", "-j", "1", "--gripper", "pr2").code == 0
+    store, (item,) = Store(Path("out")), find_inputs([str(SAMPLES / "pan_ros2")])
+    records = list(store.records(item))
+    records[0]["timing_ms"] |= {"first": True, "plan": 900.0, "total": 1000.0}
+    for record in records[1:]:
+        record["timing_ms"] |= {"first": False, "read": 1.0, "scene": 2.0, "plan": 3.0, "total": 6.0}
+    path = Path("out/.flatgrasp/done/pan_ros2.jsonl")
+    state = path.read_text().splitlines()[0]
+    path.write_text("\n".join([state, *map(json.dumps, records)]) + "\n")
+    (one,) = summarize(store, [item])
+    assert one.median_ms == {"read": 1.0, "scene": 2.0, "plan": 3.0, "total": 6.0}
+    assert one.first_ms == [1000.0]
+
+
+def test_reports_show_frames_of_every_reason() -> None:
+    examples: dict[str, list[tuple[int, dict[str, Any]]]] = {
+        "pads": [(k, {}) for k in range(20)],
+        "reach": [(k, {}) for k in range(20, 22)],
+        "": [(30, {})],
+    }
+    shown = [index for index, _ in chosen(examples)]
+    assert shown[:4] == [0, 20, 1, 21]
+    assert len(shown) == 12
 
 
 class Page(HTMLParser):
@@ -198,7 +247,7 @@ class Page(HTMLParser):
 
     def handle_starttag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
         self.links += [value or "" for name, value in attributes if name in {"src", "href", "xlink:href"}]
-        if tag != "meta":
+        if tag not in {"meta", "input"}:
             self.open.append(tag)
 
     def handle_startendtag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:

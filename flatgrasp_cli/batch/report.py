@@ -2,56 +2,204 @@
 
 from __future__ import annotations
 
+import json
+import os
+from collections import Counter
 from collections.abc import Iterator
+from dataclasses import dataclass
 from html import escape
+from pathlib import Path
+from statistics import median
 from typing import Any
+from urllib.parse import quote
 
-from flatgrasp_cli.batch.summary import InputSummary
+from flatgrasp_cli.batch.sketch import sketch
+from flatgrasp_cli.batch.summary import NO_OBJECT, InputSummary
+from flatgrasp_cli.batch.words import in_words
+from flatgrasp_cli.profiles import Gripper, load_settings
+from flatgrasp_cli.sources.remote import is_url
 
-SKETCH_PX = 120
 STYLE = """
 :root { color-scheme: light dark; font: 14px/1.45 system-ui, sans-serif; }
-body { max-width: 72rem; margin: 2rem auto; padding: 0 1rem; }
+body { max-width: 76rem; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.4rem; } h2 { font-size: 1.05rem; margin: 0 0 .3rem; overflow-wrap: anywhere; }
 section { border-top: 1px solid #8886; padding: 1rem 0; }
 .numbers { color: #777; } .error { color: #c22; } .warning { color: #a60; }
 .bar { height: .5rem; background: #d55e0055; margin: .4rem 0; } .bar div { height: 100%; background: #009e73; }
-.strip { display: flex; flex-wrap: wrap; gap: .6rem; margin-top: .6rem; }
-figure { margin: 0; width: 8.5rem; } figcaption { font-size: .8rem; overflow-wrap: anywhere; }
-figure.refused svg { outline: 2px solid #d55e00; } svg { background: #fff; display: block; }
-table { border-collapse: collapse; } td { padding: 0 1rem 0 0; } td.n { text-align: right; }
+.strip { display: flex; flex-wrap: wrap; gap: 1rem; margin-top: .6rem; }
+figure { margin: 0; width: 14rem; } figcaption { font-size: .85rem; overflow-wrap: anywhere; }
+figcaption ol { list-style: none; margin: .2rem 0; padding: 0; }
+figure.refused svg { outline: 2px solid #d55e00; }
+svg { background: #fff; display: block; width: 14rem; height: 12rem; }
+table { border-collapse: collapse; } td { padding: 0 1rem 0 0; vertical-align: top; } td.n { text-align: right; }
+fieldset { border: 1px solid #8886; margin: .5rem 0; } label { margin-right: 1rem; }
+details { margin: .3rem 0; }
+"""
+ANY_STATUS = (("every", "all frames"), ("ok", "with a grasp"), ("none", "without a grasp"), ("odd", "failed or warned"))
+STATUS_RULES = """
+body:has(#s-ok:checked) :is(figure.refused, section:not(.ok)),
+body:has(#s-none:checked) :is(figure.grasped, section:not(.none)),
+body:has(#s-odd:checked) section:not(.odd) { display: none; }
 """
 
 
-def report(inputs: list[InputSummary], values: dict[str, Any]) -> Iterator[str]:
+@dataclass(frozen=True, slots=True)
+class Made:
+    """What a report tells of its batch beside the results: `made_with` is the store's manifest.
+
+    `folder` is where the page will be, `table` the name of the file with a row for each object.
+    """
+
+    made_with: dict[str, Any]
+    date: str
+    folder: Path
+    table: str
+
+
+def report(inputs: list[InputSummary], values: dict[str, Any], made: Made) -> Iterator[str]:
     """Yield the page piece by piece: the whole batch, then each input, failures first."""
-    yield f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>flatgrasp</title><style>{STYLE}</style>'
+    reasons = _reasons(inputs)
+    rules = STATUS_RULES + "".join(
+        f"body:has(#r{k}:checked) :is(figure, section):not(.r{k}) {{ display: none; }}\n" for k in range(len(reasons))
+    )
+    yield '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>flatgrasp: '
+    yield f"{values['grasped']} of {values['frames']} frames</title><style>{STYLE}{rules}</style>"
     yield '<meta name="viewport" content="width=device-width"></head><body>\n'
     yield f"<h1>{values['grasped']} of {values['frames']} frames with a grasp</h1>\n"
-    yield f'<p class="numbers">{values["inputs"]} inputs, {values["failed"]} failed</p>\n'
+    yield f'<p class="numbers">{values["inputs"]} inputs, {values["failed"]} failed. {_times(inputs)}</p>\n'
     yield _bar(values["grasped"], values["frames"])
     yield _stages(values["no_grasp_by_stage"])
+    yield from _made(made)
+    yield from _filters(reasons)
     for one in inputs:
-        yield from _input(one)
+        yield from _input(one, list(reasons), made)
     yield "</body></html>\n"
 
 
-def _input(one: InputSummary) -> Iterator[str]:
-    yield f"<section><h2>{escape(one.source)}</h2>\n"
+def _made(made: Made) -> Iterator[str]:
+    """With what the results were made, and where they are."""
+    given = made.made_with
+    gripper = Gripper.model_validate_json(json.dumps(given["gripper"]))
+    rows = {
+        "made": f"{made.date}, flatgrasp {given['version']}",
+        "gripper": f"{gripper.description}, opens {1000 * gripper.max_opening_m:.0f} mm",
+        "robot": given["robot"] and f"{given['robot']['name']}, answers in {given['base_frame']}",
+        "settings": ", ".join(_changed(given["settings"])) or "the shipped defaults",
+    }
+    cells = "".join(f"<tr><td>{name}</td><td>{escape(text)}</td></tr>" for name, text in rows.items() if text)
+    yield f"<table>{cells}</table>\n"
+    links = (("summary.json", "numbers"), (made.table, "a row for each object"))
+    yield f"<p>{', '.join(f'{_link(name, name)} ({what})' for name, what in links)}</p>\n"
+    for name in ("gripper", "robot", "settings"):
+        if given[name]:
+            cells = "".join(
+                f"<tr><td>{escape(key)}</td><td>{escape(str(value))}</td></tr>" for key, value in _flat(given[name])
+            )
+            yield f"<details><summary>all of {name}</summary><table>{cells}</table></details>\n"
+
+
+def _flat(values: dict[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
+    """Nested values with their dotted names, as `--set` takes them."""
+    for key, value in values.items():
+        if isinstance(value, dict):
+            yield from _flat(value, f"{above}{key}.")
+        else:
+            yield f"{above}{key}", value
+
+
+def _changed(settings: dict[str, Any]) -> list[str]:
+    """The settings that are not the shipped ones."""
+    shipped = dict(_flat(load_settings().model_dump(mode="json")))
+    return [f"{key} = {value}" for key, value in _flat(settings) if shipped.get(key, value) != value]
+
+
+def _filters(reasons: dict[str, int]) -> Iterator[str]:
+    """Choices that the page's style follows."""
+    yield "<fieldset><legend>show</legend>"
+    for k, (key, words) in enumerate(ANY_STATUS):
+        yield _choice("status", f"s-{key}", words, checked=k == 0)
+    yield "</fieldset>\n"
+    if reasons:
+        yield "<fieldset><legend>frames with an object that has no grasp, by reason</legend>"
+        yield _choice("reason", "r-any", "any", checked=True)
+        for k, (stage, number) in enumerate(reasons.items()):
+            yield _choice("reason", f"r{k}", f"{in_words(stage)} ({number})", checked=False)
+        yield "</fieldset>\n"
+    yield (
+        '<p class="numbers">Sketches show the scene from above, as the camera or the robot\'s base sees it: outlines '
+        "with their objects' numbers, blue with a grasp, orange without, and the line that fingers close along.</p>\n"
+    )
+
+
+def _choice(group: str, key: str, words: str, *, checked: bool) -> str:
+    mark = " checked" if checked else ""
+    return f'<label><input type="radio" name="{group}" id="{key}"{mark}> {escape(words)}</label>'
+
+
+def _reasons(inputs: list[InputSummary]) -> dict[str, int]:
+    """Why objects in the frames shown have no grasp, by stage, the commonest first."""
+    found = Counter(stage for one in inputs for _, record in one.shown for stage in _stages_of(record))
+    return dict(found.most_common())
+
+
+def _stages_of(record: dict[str, Any]) -> list[str]:
+    """The stages at which a frame's objects were lost, each once; of a frame without objects the scene itself."""
+    lost = [thing["stage"] or NO_OBJECT for thing in record["objects"] if thing["status"] != "ok"]
+    return list(dict.fromkeys(lost)) if record["objects"] else [NO_OBJECT]
+
+
+def _input(one: InputSummary, reasons: list[str], made: Made) -> Iterator[str]:
+    marks = {f"r{reasons.index(stage)}" for _, record in one.shown for stage in _stages_of(record)}
+    marks |= {"ok"} if one.grasped else set()
+    marks |= {"none"} if one.grasped < one.frames or one.error else set()
+    marks |= {"odd"} if one.error or one.warnings else set()
+    yield f'<section class="{" ".join(sorted(marks))}"><h2>{_source(one.source, made.folder)}</h2>\n'
     if one.error is not None:
         yield f'<p class="error">{escape(one.error)}</p>\n'
     for warning in one.warnings:
         yield f'<p class="warning">{escape(warning)}</p>\n'
     if one.frames:
-        speed = "" if one.total_ms is None else f", {one.total_ms:.0f} ms a frame"
-        yield f'<p class="numbers">{one.grasped} of {one.frames} frames with a grasp{speed}</p>\n'
+        share, documents = f"{one.grasped} of {one.frames}", _link(f"{one.name}.jsonl", "documents, a line a frame")
+        yield f'<p class="numbers">{share} frames with a grasp; {documents}. {_times([one])}</p>\n'
         yield _bar(one.grasped, one.frames)
         yield _stages(dict(one.stages.most_common()))
+        if len(one.shown) < one.frames:
+            yield f'<p class="numbers">{len(one.shown)} of its frames, those without a grasp first:</p>\n'
         yield '<div class="strip">\n'
         for index, record in one.shown:
-            yield _figure(index, record)
+            yield _figure(index, record, reasons)
         yield "</div>\n"
     yield "</section>\n"
+
+
+def _source(source: str, folder: Path) -> str:
+    """The source's name, with a link to it where a browser can follow one."""
+    if is_url(source):
+        web = source.startswith(("http://", "https://"))
+        return f'<a href="{escape(quote(source, safe=":/?&=%#"))}">{escape(source)}</a>' if web else escape(source)
+    try:
+        place = Path(os.path.relpath(source, folder)).as_posix()
+    except ValueError:  # on another drive
+        return escape(source)
+    return _link(place, source)
+
+
+def _link(path: str, words: str) -> str:
+    return f'<a href="./{escape(quote(path))}">{escape(words)}</a>'
+
+
+def _times(inputs: list[InputSummary]) -> str:
+    """Milliseconds of a frame, and apart from them what the first frame of each worker took."""
+    steady = [one.median_ms for one in inputs if one.median_ms]
+    words = []
+    if steady:
+        steps = {step: median(times[step] for times in steady) for step in ("read", "scene", "plan", "total")}
+        read, scene, plan, total = (f"{value:.0f} ms" for value in steps.values())
+        words.append(f"Medians of a frame: {total} (read {read}, find objects {scene}, plan {plan}).")
+    first = [time for one in inputs for time in one.first_ms]
+    if first:
+        words.append(f"Start-up, apart from that: {median(first):.0f} ms for the first frame of a worker.")
+    return " ".join(words)
 
 
 def _bar(part: int, whole: int) -> str:
@@ -60,41 +208,32 @@ def _bar(part: int, whole: int) -> str:
 
 
 def _stages(stages: dict[str, int]) -> str:
-    """Which stage of the method kept nothing, how often."""
+    """Why frames have no grasp, how often."""
     if not stages:
         return ""
-    rows = "".join(f'<tr><td>{escape(stage)}</td><td class="n">{count}</td></tr>' for stage, count in stages.items())
-    return f"<table><tr><td>no grasp after</td><td></td></tr>{rows}</table>\n"
+    rows = "".join(
+        f'<tr><td>{escape(in_words(stage))}</td><td class="n">{count}</td></tr>' for stage, count in stages.items()
+    )
+    return f"<table><tr><td>frames without a grasp, because</td><td></td></tr>{rows}</table>\n"
 
 
-def _figure(index: int, record: dict[str, Any]) -> str:
+def _figure(index: int, record: dict[str, Any], reasons: list[str]) -> str:
+    """A frame: its sketch, its pictures, and a line for each of its objects."""
     ok = record["status"] == "ok"
-    best = next((thing for thing in record["objects"] if "pose" in thing), None)
-    words = f"{1000 * best['width_m']:.0f} mm wide" if best else record["reason"] or ""
+    marks = ["grasped" if ok else "refused", *(f"r{reasons.index(stage)}" for stage in _stages_of(record))]
+    stamp = record["stamp_ns"]
+    when = "" if stamp is None else f" at {stamp / 1e9:.3f} s"
+    pictures = " ".join(_link(path, f"{path.rsplit('.', 2)[-2]} picture") for path in record["pictures"])
+    lines = [_object(thing) for thing in record["objects"]] or [escape(record["reason"] or "")]
+    items = "".join(f"<li>{line}</li>" for line in lines)
     return (
-        f'<figure class="{"grasped" if ok else "refused"}">{_svg(record["sketch"])}'
-        f"<figcaption>#{index} {escape(words)}</figcaption></figure>\n"
+        f'<figure class="{" ".join(marks)}">{sketch(record["sketch"])}'
+        f"<figcaption>#{index}{when} {pictures}<ol>{items}</ol></figcaption></figure>\n"
     )
 
 
-def _svg(sketch: dict[str, Any] | None) -> str:
-    """The outline, filled, and the line between the contacts."""
-    if sketch is None:
-        return f'<svg width="{SKETCH_PX}" height="{SKETCH_PX}" viewBox="0 0 1 1"></svg>'
-    points = [point for loop in sketch["loops"] for point in loop] + sketch["contacts"]
-    left, right = min(u for u, _ in points) - 5, max(u for u, _ in points) + 5
-    low, high = min(v for _, v in points) - 5, max(v for _, v in points) + 5
-    path = " ".join("M" + " ".join(f"{u},{-v}" for u, v in loop) + "Z" for loop in sketch["loops"])
-    line = ""
-    if sketch["contacts"]:
-        (u, v), (p, q) = sketch["contacts"]
-        line = f'<line x1="{u}" y1="{-v}" x2="{p}" y2="{-q}" stroke="#d55e00" vector-effect="non-scaling-stroke"/>'
-        line += "".join(
-            f'<circle cx="{x}" cy="{-y}" r="{max(right - left, high - low) / 40:.1f}" fill="#d55e00"/>'
-            for x, y in sketch["contacts"]
-        )
-    return (
-        f'<svg width="{SKETCH_PX}" height="{SKETCH_PX}" viewBox="{left} {-high} {right - left} {high - low}">'
-        f'<path d="{path}" fill="#56b4e966" stroke="#000" fill-rule="evenodd" '
-        f'vector-effect="non-scaling-stroke"/>{line}</svg>'
-    )
+def _object(thing: dict[str, Any]) -> str:
+    """An object in a line."""
+    if "pose" not in thing:
+        return f"{thing['id']}: no grasp: {escape(thing['reason'] or '')}"
+    return f"{thing['id']}: {1000 * thing['width_m']:.0f} mm wide, opens {1000 * thing['opening_m']:.0f} mm"

@@ -75,6 +75,10 @@ class Store:
                 )
         write_text(path, [manifest])
 
+    def made_with(self) -> dict[str, Any]:
+        """The gripper, the settings and all else that the results were made with."""
+        return dict(json.loads((self._state / "manifest.json").read_text(encoding="utf-8")))
+
     def finished(self, item: Input, fingerprint: str) -> InputState | None:
         """The state of an input that needs no more work; None if it has changed, failed, or is not done."""
         state = self._read_state(self._done_path(item))
@@ -98,8 +102,9 @@ class Store:
         item = done.slice.input
         self._concluded.unlink(missing_ok=True)
         for name, frame in zip(_file_names(done), done.frames, strict=True):
-            for kind, content in frame.pictures.items():
-                write_bytes(self._out / item.name / f"{name}.{kind}.png", content)
+            frame.record["pictures"] = [f"{item.name}/{name}.{kind}.png" for kind in frame.pictures]
+            for path, content in zip(frame.record["pictures"], frame.pictures.values(), strict=True):
+                write_bytes(self._out / path, content)
         refused = sum(frame.record["status"] != "ok" for frame in done.frames)
         state = InputState(fingerprint, len(done.frames), refused, done.error, done.empty, done.warnings)
         lines = (

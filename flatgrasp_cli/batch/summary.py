@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from itertools import chain, islice, zip_longest
 from statistics import median
 from typing import Any
 
@@ -13,11 +14,17 @@ from flatgrasp_cli.batch.store import SCHEMA, Store
 
 STRIP = 12
 """Frames of an input that a report shows."""
+STEPS = ("read", "scene", "plan", "total")
+NO_OBJECT = "scene"
 
 
 @dataclass(slots=True)
 class InputSummary:
-    """What came of one input; `shown` are records of frames for a report, those without a grasp first."""
+    """What came of one input; `shown` are records of frames for a report, those without a grasp first.
+
+    `median_ms` are those of frames that did not wait for libraries to load; `first_ms` took, each in a worker of its
+    own, the frames that did.
+    """
 
     source: str
     name: str
@@ -26,6 +33,8 @@ class InputSummary:
     frames: int = 0
     grasped: int = 0
     total_ms: float | None = None
+    median_ms: dict[str, float] = field(default_factory=dict)
+    first_ms: list[float] = field(default_factory=list)
     stages: Counter[str] = field(default_factory=Counter)
     shown: list[tuple[int, dict[str, Any]]] = field(default_factory=list)
 
@@ -38,6 +47,8 @@ class InputSummary:
             "grasped": self.grasped,
             "no_grasp_by_stage": dict(self.stages.most_common()),
             "median_total_ms": self.total_ms,
+            "median_ms": self.median_ms,
+            "first_frames_ms": self.first_ms,
             "error": self.error,
             "warnings": self.warnings,
         }
@@ -70,18 +81,31 @@ def _of_input(store: Store, item: Input) -> InputSummary:
     assert state is not None  # noqa: S101 - for the type checker
     summary = InputSummary(item.source, item.name, state.error, state.warnings)
     times: list[float] = []
-    refused: list[tuple[int, dict[str, Any]]] = []
-    grasped: list[tuple[int, dict[str, Any]]] = []
+    steady: list[dict[str, float]] = []
+    examples: dict[str, list[tuple[int, dict[str, Any]]]] = {}
     for index, record in enumerate(store.records(item)):
-        ok = record["status"] == "ok"
+        stage = None if record["status"] == "ok" else record["stage"] or NO_OBJECT
         summary.frames += 1
-        summary.grasped += ok
+        summary.grasped += stage is None
         times.append(record["timing_ms"]["total"])
-        if not ok:
-            summary.stages[record["stage"] or "scene"] += 1
-        kept = grasped if ok else refused
+        if record["timing_ms"]["first"]:
+            summary.first_ms.append(record["timing_ms"]["total"])
+        else:
+            steady.append(record["timing_ms"])
+        if stage is not None:
+            summary.stages[stage] += 1
+        kept = examples.setdefault(stage or "", [])
         if len(kept) < STRIP:
             kept.append((index, record))
     summary.total_ms = round(median(times), 3) if times else None
-    summary.shown = [*refused, *grasped][:STRIP]
+    if steady:
+        summary.median_ms = {step: round(median(timing[step] for timing in steady), 3) for step in STEPS}
+    summary.shown = chosen(examples)
     return summary
+
+
+def chosen(examples: dict[str, list[tuple[int, dict[str, Any]]]]) -> list[tuple[int, dict[str, Any]]]:
+    """As many frames as a report shows: of each reason in turn, then those with a grasp, which have none."""
+    grasped = examples.pop("", [])
+    in_turn = (each for each in chain.from_iterable(zip_longest(*examples.values())) if each is not None)
+    return list(islice(chain(in_turn, grasped), STRIP))

@@ -7,16 +7,21 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import count
 from typing import Any
+
+import numpy as np
 
 from flatgrasp_cli.batch.slices import Slice
 from flatgrasp_cli.errors import FigureError, FlatgraspError, NoFramesError
 from flatgrasp_cli.job import Job
 from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.results.document import to_document, to_json
+from flatgrasp_cli.results.view import normal_of, view_of
 
 LOGGER = logging.getLogger(__name__)
-MM = 1000.0
+_PLANNED = count()
+"""Numbers the frames that this process plans: the first waits for libraries to load."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,31 +76,33 @@ def _record(plan: Plan, document: dict[str, Any]) -> dict[str, Any]:
         "status": document["status"],
         "reason": document["reason"],
         "stage": None if plan.best or not plan.objects else plan.objects[0].funnel[-1].stage,
-        "timing_ms": document["timing_ms"],
+        "timing_ms": {**document["timing_ms"], "first": next(_PLANNED) == 0},
         "objects": [_object_record(item) for item in document["objects"]],
         "sketch": _sketch(plan),
     }
 
 
 def _object_record(item: dict[str, Any]) -> dict[str, Any]:
-    best = item["grasps"][0] if item["grasps"] else None
+    best, miss = item["grasps"][0] if item["grasps"] else None, item["nearest_miss"]
     record = {"id": item["id"], "points": item["points"], "status": item["status"], "reason": item["reason"]}
+    record["stage"] = miss and miss["stage"]
     if best is not None:
         record |= {"pose": best["pose"], "width_m": best["width_m"], "opening_m": best["opening_m"]}
         record["metrics"] = best["metrics"]
     return record
 
 
-def _sketch(plan: Plan) -> dict[str, Any] | None:
-    """Outline and contacts of the first object in whole millimetres: enough for a stamp-sized picture."""
-    if not plan.objects or plan.objects[0].trace.silhouette is None:
-        return None
-    item = plan.objects[0]
-    outline = item.trace.silhouette
-    assert outline is not None  # noqa: S101 - for the type checker
-    loops = [(MM * loop).round().astype(int).tolist() for loop in outline.loops]
-    contacts = [outline.frame.to_local(grasp.contacts)[:, :2] for grasp in item.grasps[:1]]
-    return {"loops": loops, "contacts": [row for pair in contacts for row in (MM * pair).round().astype(int).tolist()]}
+def _sketch(plan: Plan) -> list[dict[str, Any]]:
+    """Outline and contacts of each object in whole millimetres, as pictures have them: enough for a small drawing."""
+    view = view_of(plan, normal_of(plan))
+    things = []
+    for item in plan.objects:
+        outline = item.trace.silhouette
+        if outline is not None and outline.loops:
+            loops = [view.of_plane(outline.frame, loop).round().astype(int).tolist() for loop in outline.loops]
+            ends = view.of_world(item.grasps[0].contacts) if item.grasps else np.empty((0, 2))
+            things.append({"id": item.object.id, "loops": loops, "contacts": ends.round().astype(int).tolist()})
+    return things
 
 
 def _pictures(plan: Plan) -> dict[str, bytes]:

@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from datetime import datetime
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -114,14 +115,15 @@ def _listed(from_list: str | None) -> list[str]:
 
 def _conclude(store: Store, inputs: list[Input]) -> None:
     """Write what is about the whole batch."""
-    from flatgrasp_cli.batch.report import report
+    from flatgrasp_cli.batch.report import Made, report
     from flatgrasp_cli.batch.summary import batch_values, summarize
     from flatgrasp_cli.batch.table import write_table
 
     found = summarize(store, inputs)
     values = batch_values(found)
-    write_table(store, inputs)
-    store.write("report.html", "".join(report(found, values)))
+    table = write_table(store, inputs)
+    made = Made(store.made_with(), f"{datetime.now().astimezone():%Y-%m-%d %H:%M %Z}", table.parent, table.name)
+    store.write("report.html", "".join(report(found, values, made)))
     store.write("summary.json", json.dumps(values, indent=2, ensure_ascii=False) + "\n")
     store.conclude(inputs)
 

@@ -127,4 +127,6 @@ def _print(document: dict[str, Any]) -> None:
 def _figure(outline: _Outline, found: tuple[Immobilisation, ...]) -> Figure | None:
     from flatgrasp_cli.results.figures.cage import cage_figure
 
-    return cage_figure(outline.loops, found, Path(outline.source).name) if outline.loops else None
+    if not outline.loops:
+        return None
+    return cage_figure(outline.loops, found, Path(outline.source).name, in_metres=outline.thing is not None)

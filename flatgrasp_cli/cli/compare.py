@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from flatgrasp_cli.comparison import Comparison
     from flatgrasp_cli.job import Job
-    from flatgrasp_cli.model import Cloud
+    from flatgrasp_cli.planning import Plan
 
 SCHEMA = "flatgrasp.compare/1"
 
@@ -51,7 +51,7 @@ def command(sources: tuple[str, ...], job: Job, out: Path | None, as_json: bool)
                     rows.append(_row(str(cloud.source), pair))
                     if as_json:
                         click.echo(to_json(rows[-1]))
-                    pictures.save(f"{name}.{pair.ours.object.id}.compare", partial(_figure, pair, job, cloud))
+                    pictures.save(f"{name}.{pair.ours.object.id}.compare", partial(_figure, pair, plan))
                 if plan.best is None:
                     say_refusal(plan)
                     code = NO_GRASP
@@ -103,9 +103,9 @@ def _print(rows: list[dict[str, Any]]) -> None:
     show("Lei & Wisse 2016 and two point fingers (Allen et al. 2012)", table)
 
 
-def _figure(pair: Comparison, job: Job, cloud: Cloud) -> Figure | None:
+def _figure(pair: Comparison, plan: Plan) -> Figure | None:
     from flatgrasp_cli.results.figures.comparison import comparison_figure
 
     if pair.ours.trace.silhouette is None:
         return None
-    return comparison_figure(pair.ours, pair.theirs, pair.verdicts, job.gripper, Path(cloud.source.path).name)
+    return comparison_figure(plan, pair.ours, pair.theirs, pair.verdicts, Path(plan.cloud.source.path).name)

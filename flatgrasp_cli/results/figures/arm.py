@@ -8,72 +8,85 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.geometry.frames import axes_from_quaternion
 from flatgrasp_cli.model import Grasp
 from flatgrasp_cli.planning import Plan
-from flatgrasp_cli.profiles import Gripper, Robot
-from flatgrasp_cli.results.figures.hand import finger_boxes
-from flatgrasp_cli.results.figures.style import BLUE, GREEN, ORANGE, PALE, PURPLE, RED, SKY, new_figure, thinned
+from flatgrasp_cli.profiles import Robot
+from flatgrasp_cli.results.figures.page import Page
+from flatgrasp_cli.results.figures.space import draw_axes_of, draw_hand_in_space, finish_space
+from flatgrasp_cli.results.figures.style import BLUE, GREY, MM, ORANGE, PALE, RED, SKY, draw_dots_in_space, thinned
 from flatgrasp_cli.robot import forward, in_dh_base
 
-POSES = (("pre-grasp", SKY, 1.5), ("grasp", BLUE, 4.0), ("lift", ORANGE, 1.5))
-"""In the order of a reach's joint angles, with colour and width."""
+POSES: tuple[tuple[str, dict[str, Any]], ...] = (
+    ("arm at the pre-grasp", {"color": SKY, "lw": 7.0, "ms": 9.0, "alpha": 0.5}),
+    ("arm at the grasp", {"color": BLUE, "lw": 3.5, "ms": 5.0}),
+    ("arm after the lift", {"color": ORANGE, "lw": 1.8, "ms": 4.0, "linestyle": (0, (3, 1.5))}),
+)
+"""In the order of a reach's joint angles: even where two of them are the same pose, both are seen."""
 AXIS_M = 0.15
-NEAR_M = 0.4
+CIRCLE_POINTS = 73
+NEAR_M = 0.35
+"""Points of the cloud nearer to the grasp than this are drawn."""
+
+
+def has_arm(plan: Plan) -> bool:
+    """Whether there is an arm to be drawn: with a robot, and a grasp that it reaches or was asked about."""
+    return plan.robot is not None and _shown(plan) is not None
 
 
 def arm_figure(plan: Plan) -> Figure | None:
     """The arm's links at pre-grasp, grasp and lift, the hand, and the points around; None if no grasp is reached."""
-    grasp, robot = plan.best, plan.robot
-    if robot is None or grasp is None or grasp.reach is None or grasp.reach.joints_rad is None:
+    if plan.robot is None or plan.best is None:
         return None
-    figure = new_figure(8.0, 7.0)
-    axes = figure.add_subplot(projection="3d")
+    page = Page(f"{plan.robot.name} in {plan.robot.base_frame!r} · {plan.gripper.description}", 1)
+    draw_arm(page.panel("", projection="3d"), plan)
+    return page.finish([("Robot", f"{plan.robot.name} reaches it: {manipulability_in_words(plan.best)}")])
+
+
+def manipulability_in_words(grasp: Grasp) -> str:
+    """How far a grasp's way is from where the arm cannot move."""
+    share = None if grasp.reach is None else grasp.reach.manipulability_share
+    if share is None:
+        return "how well is not known"
+    return f"its manipulability on the way is {100 * share:.0f} % of the arm's largest, or more"
+
+
+def draw_arm(axes: Any, plan: Plan) -> None:
+    """The arm and the hand, in the robot's base frame; of a grasp out of reach only the hand, grey."""
+    grasp, robot = _shown(plan), plan.robot
+    if grasp is None or robot is None:
+        return
     near = plan.cloud.points[np.linalg.norm(plan.cloud.points - grasp.position, axis=1) < NEAR_M]
-    axes.scatter(*thinned(near).T, s=1, color=PALE, depthshade=False)
-    for joints, (name, color, width) in zip(grasp.reach.joints_rad, POSES, strict=True):
-        links = _links(robot, joints)
-        axes.plot(*links.T, "-o", color=color, lw=width, ms=width + 1, label=name)
-    _draw_hand(axes, grasp, plan.gripper)
-    for axis, color, name in zip(np.eye(3), (RED, GREEN, PURPLE), "xyz", strict=True):
-        axes.quiver(0, 0, 0, *(AXIS_M * axis), color=color)
-        axes.text(*(1.2 * AXIS_M * axis), name, color=color)
-    _finish(axes, plan, robot, grasp)
-    return figure
+    near = thinned(near)
+    draw_dots_in_space(axes, near, PALE, "cloud")
+    joints = None if grasp.reach is None else grasp.reach.joints_rad
+    drawn = [near, np.zeros((1, 3)), np.diag([AXIS_M] * 3)]
+    for angles, (name, style) in zip(() if joints is None else joints, POSES, strict=False):
+        links = links_of(robot, angles)
+        axes.plot(*(MM * links.T), marker="o", mew=0, label=name, **style)
+        drawn.append(links)
+    color, label = (RED, "hand at the grasp") if joints is not None else (GREY, "hand, where the arm does not get it")
+    if joints is None:
+        drawn.append(_draw_reach(axes, robot))
+    drawn.append(draw_hand_in_space(axes, grasp, plan.gripper, color=color, label=label))
+    draw_axes_of(axes, np.zeros(3), np.eye(3), AXIS_M, f"x, y, z: axes of the frame {robot.base_frame!r}")
+    azimuth = float(np.degrees(np.arctan2(grasp.position[1], grasp.position[0]))) - 60.0
+    finish_space(axes, np.vstack(drawn), ("x (mm)", "y (mm)", "z (mm)"), azimuth)
 
 
-def _links(robot: Robot, joints: FloatArray) -> FloatArray:
+def _draw_reach(axes: Any, robot: Robot) -> FloatArray:
+    """How far the arm reaches, level with its base; points (n, 3) of that circle."""
+    angle = np.linspace(0.0, 2 * np.pi, CIRCLE_POINTS)
+    circle = robot.reach_m * np.column_stack([np.cos(angle), np.sin(angle), np.zeros(CIRCLE_POINTS)])
+    axes.plot(*(MM * circle.T), "--", color=GREY, lw=1.0, label=f"the arm's reach of {MM * robot.reach_m:.0f} mm")
+    return circle
+
+
+def links_of(robot: Robot, joints: FloatArray) -> FloatArray:
     """Origins (7, 3) of the base and of the arm's frames, in the robot's base frame."""
     origins = forward(robot.dh, joints)[:, :3, 3]
     return in_dh_base(robot.base_frame, np.vstack([np.zeros(3), origins]))
 
 
-def _draw_hand(axes: Any, grasp: Grasp, gripper: Gripper) -> None:
-    """Palm and fingers as lines: from the flange to the palm, along it, and down each finger."""
-    frame = axes_from_quaternion(grasp.orientation)
-
-    def place(corners: list[tuple[float, float, float]]) -> FloatArray:
-        return grasp.position + np.array(corners) @ frame
-
-    length = gripper.finger_length_at_m(grasp.width_m)
-    lines = [[(0.0, 0.0, -length - gripper.palm_offset_m), (0.0, 0.0, -length)]]
-    for x0, x1, y0, y1 in finger_boxes(gripper, grasp.opening_m):
-        x, y = 0.5 * (x0 + x1), 0.5 * (y0 + y1)
-        lines.append([(0.0, 0.0, -length), (x, y, -length), (x, y, 0.0)])
-    for line in lines:
-        axes.plot(*place(line).T, color=RED, lw=2.5)
-
-
-def _finish(axes: Any, plan: Plan, robot: Robot, grasp: Grasp) -> None:
-    reach = grasp.reach
-    share = f"{100 * reach.manipulability_share:.0f} %" if reach and reach.manipulability_share is not None else "?"
-    axes.set_title(
-        f"{robot.name} in {robot.base_frame} · {plan.gripper.name} · manipulability {share} of the arm's largest",
-        loc="left",
-        fontsize=11,
-    )
-    axes.set_xlabel("x (m)")
-    axes.set_ylabel("y (m)")
-    axes.set_zlabel("z (m)")
-    axes.set_aspect("equal")
-    axes.legend(loc="upper right", fontsize=8, frameon=False)
+def _shown(plan: Plan) -> Grasp | None:
+    """The best grasp, or else the best of those that the robot does not reach."""
+    return plan.best or next((item.refused[0] for item in plan.objects if item.refused), None)

@@ -6,77 +6,143 @@ Contact space is sampled here, for the eye alone; the numbers are those of the e
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.geometry.polygon import arc_positions, points_at
 from flatgrasp_cli.planner.caging import Immobilisation
-from flatgrasp_cli.results.figures.style import BLACK, BLUE, GREEN, RED, legend, new_figure
+from flatgrasp_cli.results.cages import NO_HOLD
+from flatgrasp_cli.results.figures.labels import Label, put
+from flatgrasp_cli.results.figures.page import Page, show
+from flatgrasp_cli.results.figures.style import BLACK, BLUE, GREEN, MM, RED, SKY, closed
 
 DRAWN = 50
 """Grasps that are drawn: more would hide the outline."""
+LISTED = 6
+"""Grasps that the caption tells of."""
+COLOR_BAR_IN = 0.85
+MARGIN_SHARE = 0.1
 SAMPLES = 240
 LEVELS = 12
 
 
-def cage_figure(loops: Sequence[FloatArray], found: Sequence[Immobilisation], title: str) -> Figure:
+def cage_figure(loops: Sequence[FloatArray], found: Sequence[Immobilisation], title: str, *, in_metres: bool) -> Figure:
     """The outline with its grasps and the best one's caging set, beside the contact space of its outer loop.
 
-    Of fingers that close. Lengths are in the outline's own unit.
+    Of fingers that close. Lengths are in metres, or in a unit of the polygon's own.
     """
-    figure = new_figure(14.0, 6.5)
-    outline, contact_space = figure.add_subplot(121), figure.add_subplot(122)
-    outline.set_title(title, loc="left", fontsize=11)
-    outline.set_aspect("equal", adjustable="datalim")
-    for loop in loops:
-        closed = np.vstack([loop, loop[:1]])
-        outline.plot(closed[:, 0], closed[:, 1], color=BLACK, lw=1.2)
-    for k, one in enumerate(found[:DRAWN]):
-        outline.plot(*one.contacts.T, "o-", color=RED if k == 0 else BLUE, lw=1.5 if k == 0 else 0.7, ms=4)
-        outline.annotate(str(k + 1), tuple(one.contacts[0]), fontsize=9, xytext=(3, 3), textcoords="offset points")
+    drawing = _Drawing(MM, "mm") if in_metres else _Drawing(1.0, "the polygon's unit")
+    page = Page(title, 2, right_in=COLOR_BAR_IN)
+    outline = page.panel("the outline, and grasps of two point fingers")
+    loops = [drawing.scale * loop for loop in loops]
+    shown = np.concatenate(loops)
+    show(outline, shown, MARGIN_SHARE * float(np.ptp(shown, axis=0).max()))
+    names = "uv" if in_metres else "xy"
+    outline.set(xlabel=f"{names[0]} ({drawing.unit})", ylabel=f"{names[1]} ({drawing.unit})")
+    for k, loop in enumerate(loops):
+        outline.plot(*closed(loop).T, color=BLACK, lw=1.2, label="outline" if k == 0 else None)
+    _draw_grasps(outline, [drawing.scale * one.contacts for one in found[:DRAWN]], shown)
     positions = np.linspace(0, float(arc_positions(loops[0])[-1]), SAMPLES, endpoint=False)
     samples = points_at(loops[0], positions)
     distance = np.linalg.norm(samples[:, None] - samples[None], axis=2)
-    _draw_contact_space(contact_space, positions, distance)
+    contact_space = page.panel("contact space: how far apart the fingers are")
+    _draw_contact_space(contact_space, positions, distance, drawing.unit)
     if found:
-        _draw_cage(outline, contact_space, (positions, samples, distance), found[0])
-        legend(outline)
-    return figure
+        contacts = drawing.scale * found[0].contacts
+        escapes = found[0].escape_m is not None
+        _draw_cage(outline, contact_space, _Sampled(positions, samples, distance), contacts, escapes=escapes)
+    return page.finish(_caption(found, drawing))
 
 
-def _draw_contact_space(axes: Axes, positions: FloatArray, distance: FloatArray) -> None:
-    axes.set_title("distance of the fingers at s₁ and s₂ along the outline", loc="left", fontsize=11)
+@dataclass(frozen=True, slots=True)
+class _Drawing:
+    """Units of the drawing in one of the outline, and what they are called."""
+
+    scale: float
+    unit: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Sampled:
+    """Places (n,) along the outer loop, the points (n, 2) there, and the distance (n, n) of any two."""
+
+    positions: FloatArray
+    points: FloatArray
+    distance: FloatArray
+
+
+def _draw_grasps(axes: Axes, contacts: list[FloatArray], shown: FloatArray) -> None:
+    """Each grasp as a line between its contacts (2, 2), with its rank where it hides nothing."""
+    for k, ends in reversed(list(enumerate(contacts))):
+        name = {0: "grasp 1, the one that forgives most", 1: "other grasps"}.get(k)
+        color, width = (BLUE, 0.9) if k else (RED, 2.0)
+        axes.plot(*ends.T, "o-", ms=4, color=color, lw=width, label=name, zorder=5 if k else 6)
+    labels = [Label(str(k + 1), ends, {"fontsize": 9, "color": BLUE if k else RED}) for k, ends in enumerate(contacts)]
+    put(axes, labels, np.vstack([shown, *(np.linspace(ends[0], ends[1], 12) for ends in contacts)]))
+
+
+def _caption(found: Sequence[Immobilisation], drawing: _Drawing) -> list[tuple[str, str]]:
+    """How wide each grasp is, and what becomes of it as the fingers open."""
+    if not found:
+        return [("No grasp", NO_HOLD)]
+
+    def length(value: float) -> str:
+        return f"{drawing.scale * value:.4g} {drawing.unit}"
+
+    def event(what: str, value: float | None) -> str:
+        return f"never {what}" if value is None else f"{what} at {length(value)}"
+
+    def words(one: Immobilisation) -> str:
+        fates = event("becomes another grasp", one.basin_m), event("gets away", one.escape_m)
+        return f"{length(one.width_m)} wide; as the fingers open, it {fates[0]}, and the object {fates[1]}"
+
+    rows = [(f"Grasp {k + 1}", words(one)) for k, one in enumerate(found[:LISTED])]
+    return rows if len(found) <= LISTED else [*rows, ("", f"and {len(found) - LISTED} more, which --json lists")]
+
+
+def _draw_contact_space(axes: Axes, positions: FloatArray, distance: FloatArray, unit: str) -> None:
     axes.set_aspect("equal")
     end = positions[-1]
-    axes.imshow(distance, origin="lower", extent=(0, end, 0, end), cmap="Greys", alpha=0.7)
+    image = axes.imshow(distance, origin="lower", extent=(0, end, 0, end), cmap="Greys", alpha=0.7)
+    bar = axes.figure.colorbar(image, cax=axes.inset_axes((1.04, 0.0, 0.045, 1.0)))
+    bar.set_label(f"distance of the fingers ({unit})", fontsize=9)
+    bar.ax.tick_params(labelsize=8)
     axes.contour(positions, positions, distance, levels=LEVELS, colors=BLACK, linewidths=0.3)
-    axes.set_xlabel("s₁")
-    axes.set_ylabel("s₂")
+    axes.plot([], [], color=BLACK, lw=0.5, label="lines of equal distance")
+    axes.set(xlabel=f"s₁, finger 1 along the outline ({unit})", ylabel=f"s₂, finger 2 along the outline ({unit})")
 
 
-def _draw_cage(
-    outline: Axes, contact_space: Axes, sampled: tuple[FloatArray, FloatArray, FloatArray], best: Immobilisation
-) -> None:
+def _draw_cage(outline: Axes, contact_space: Axes, sampled: _Sampled, contacts: FloatArray, *, escapes: bool) -> None:
     """The component of contact space below the escape level around the best grasp, and the way out of it."""
-    positions, samples, distance = sampled
-    start = tuple(int(np.linalg.norm(samples - contact, axis=1).argmin()) for contact in best.contacts)
-    contact_space.plot(positions[start[1]], positions[start[0]], "o", color=RED, label="the best grasp")
+    positions, distance = sampled.positions, sampled.distance
+    start = tuple(int(np.linalg.norm(sampled.points - contact, axis=1).argmin()) for contact in contacts)
     level = np.inf
-    if best.escape_m is not None:
+    if escapes:
         path = way_out(distance, start)
         worst = path[distance[path[:, 0], path[:, 1]].argmax()]
         level = float(distance[worst[0], worst[1]])  # of the samples: the exact one may lie beyond theirs
-        contact_space.plot(positions[path[:, 1]], positions[path[:, 0]], color=RED, lw=0.8)
-        contact_space.plot(positions[worst[1]], positions[worst[0]], "x", color=RED, label="where it gets away")
+        way = _broken(positions[path[:, ::-1]], positions[-1] / 2)
+        contact_space.plot(*way.T, color=RED, lw=0.9, label="the way out: fingers opened least")
+        where = positions[worst[1]], positions[worst[0]]
+        contact_space.plot(*where, "x", color=RED, ms=9, mew=2, ls="none", label="where the object gets away")
+    contact_space.plot(positions[start[1]], positions[start[0]], "o", color=RED, ls="none", label="grasp 1")
     inside = _component(distance, start, level)
     contact_space.contourf(positions, positions, inside.astype(float), levels=[0.5, 1.5], colors=[GREEN], alpha=0.35)
-    for axis, color, name in ((1, GREEN, "finger 1 within the cage"), (0, BLUE, "finger 2 within the cage")):
-        reach = samples[inside.any(axis=axis)]
-        outline.plot(reach[:, 0], reach[:, 1], ".", color=color, ms=5, alpha=0.7, label=name)
-    contact_space.legend(loc="upper left", fontsize=8)
+    contact_space.add_patch(Rectangle((0, 0), 0, 0, fc=GREEN, alpha=0.35, label="the cage of grasp 1"))
+    for axis, color, name in ((1, GREEN, "finger 1 within the cage"), (0, SKY, "finger 2 within the cage")):
+        reach = sampled.points[inside.any(axis=axis)]
+        outline.plot(reach[:, 0], reach[:, 1], ".", color=color, ms=6, alpha=0.7, label=name, zorder=3)
+
+
+def _broken(way: FloatArray, most: float) -> FloatArray:
+    """A way (k, 2), not drawn where it leaves at one edge to come in at the other: a step longer than `most`."""
+    leaps = np.flatnonzero((np.abs(np.diff(way, axis=0)) > most).any(axis=1))
+    return np.insert(way, leaps + 1, np.nan, axis=0)
 
 
 def _component(distance: FloatArray, start: tuple[int, ...], level: float) -> IntArray:

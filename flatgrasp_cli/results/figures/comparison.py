@@ -2,35 +2,73 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from flatgrasp_cli.model import Grasp, ObjectPlan
-from flatgrasp_cli.profiles.gripper import Gripper
-from flatgrasp_cli.results.figures.hand import draw_hand
-from flatgrasp_cli.results.figures.style import BLUE, GREY, MM, draw_outline, new_figure, plane_axes
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.model import Grasp, ObjectPlan, Silhouette
+from flatgrasp_cli.planning import Plan
+from flatgrasp_cli.results.figures.close import draw_close, draw_loops
+from flatgrasp_cli.results.figures.labels import Label, put
+from flatgrasp_cli.results.figures.marks import draw_triad
+from flatgrasp_cli.results.figures.page import Page
+from flatgrasp_cli.results.figures.style import BLUE, GREY, MM, closed, counted, tick_labels
+from flatgrasp_cli.results.view import View, view_of
 
-SHOWN = 5
+CAN = "the hand can carry it out"
 
 
 def comparison_figure(
-    ours: ObjectPlan, theirs: tuple[Grasp, ...], verdicts: list[str | None], gripper: Gripper, title: str
+    plan: Plan, ours: ObjectPlan, theirs: Sequence[Grasp], verdicts: Sequence[str | None], title: str
 ) -> Figure:
-    """Left our best grasp with its hand, right the point fingers' grasps: blue those that the hand can carry out."""
-    figure = new_figure(14.0, 6.5)
-    left = plane_axes(figure, f"{title}: Lei & Wisse", 121)
-    right = plane_axes(figure, "two point fingers (Allen et al.)", 122)
+    """Left our best grasp with its hand, right the point fingers' grasps: blue those that the hand can carry out.
+
+    `verdicts` say why it cannot, or None.
+    """
     outline = ours.trace.silhouette
-    if outline is None:
-        return figure
-    for axes in (left, right):
-        draw_outline(axes, outline)
-    for grasp in ours.grasps[:1]:
-        draw_hand(left, grasp, outline.frame, gripper)
-    words = []
+    assert outline is not None  # noqa: S101 - without one there is nothing to compare
+    view = view_of(plan, outline.frame.axes[2])
+    page = Page(f"{title} · {plan.gripper.description}", 2)
+    left = page.panel("ours: Lei & Wisse")
+    drawn = draw_close(left, plan, ours, view)
+    draw_triad(left, view, plan.cloud.frame_name, drawn)
+    right = page.panel(f"two point fingers (Allen et al.): {counted(len(theirs), 'grasp')}")
+    right.set(xlim=left.get_xlim(), ylim=left.get_ylim(), aspect="equal")
+    tick_labels(right, view)
+    draw_loops(right, outline, view)
+    _draw_theirs(right, outline, view, theirs, verdicts)
+    return page.finish(_caption(ours, verdicts))
+
+
+def _draw_theirs(
+    axes: Axes, outline: Silhouette, view: View, theirs: Sequence[Grasp], verdicts: Sequence[str | None]
+) -> None:
+    """Each grasp as a line between its contacts, with its rank beside one of them."""
+    labels, lines, named = [], [], set[str]()
     for grasp, verdict in zip(theirs, verdicts, strict=True):
-        contacts = MM * outline.frame.to_local(grasp.contacts)[:, :2]
-        right.plot(contacts[:, 0], contacts[:, 1], "o-", color=BLUE if verdict is None else GREY, lw=1.2, ms=4)
-        right.annotate(str(grasp.rank), tuple(contacts[0]), fontsize=9, xytext=(3, 3), textcoords="offset points")
-        words.append(f"{grasp.rank}: {verdict or 'can be carried out'}")
-    figure.supxlabel("\n".join(words[:SHOWN]), fontsize=8, x=0.52, ha="left")
-    return figure
+        contacts = view.of_world(grasp.contacts)
+        color, name = (GREY, "grasps that the hand cannot carry out") if verdict else (BLUE, f"grasps: {CAN}")
+        axes.plot(*contacts.T, "o-", color=color, lw=1.2, ms=4, label=None if name in named else name)
+        named.add(name)
+        labels.append(Label(str(grasp.rank), _rim(contacts), {"fontsize": 9, "color": color, "fontweight": "bold"}))
+        lines.append(np.linspace(contacts[0], contacts[1], 40))
+    put(axes, labels, np.vstack([*(view.of_plane(outline.frame, closed(loop)) for loop in outline.loops), *lines]))
+
+
+def _rim(contacts: FloatArray) -> FloatArray:
+    """The contact (1, 2) that is further up, or to the right."""
+    return contacts[[int(contacts[1].sum() > contacts[0].sum())]]
+
+
+def _caption(ours: ObjectPlan, verdicts: Sequence[str | None]) -> list[tuple[str, str]]:
+    """Ours in a line, and for each reason the point fingers' grasps that it holds for."""
+    rejection = ours.rejection
+    best = f"closes to {MM * ours.grasps[0].width_m:.1f} mm" if ours.grasps else rejection.reason if rejection else ""
+    rows = [("Ours" if ours.grasps else "No grasp", best)]
+    reasons: dict[str, list[str]] = {}
+    for rank, verdict in enumerate(verdicts, start=1):
+        reasons.setdefault(verdict or CAN, []).append(str(rank))
+    return [*rows, *(("Theirs", f"{', '.join(ranks)}: {reason}") for reason, ranks in reasons.items())]

@@ -1,121 +1,111 @@
-"""The final grasp at a glance."""
+"""The final grasp at a glance: where the hand goes, how wide, and why."""
 
 from __future__ import annotations
 
-import textwrap
 from dataclasses import replace
 from pathlib import Path
 
-from matplotlib.axes import Axes
+import numpy as np
 from matplotlib.figure import Figure
 
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.frames import axes_from_quaternion
 from flatgrasp_cli.model import Grasp, ObjectPlan
 from flatgrasp_cli.planning import Plan
-from flatgrasp_cli.profiles import Gripper
-from flatgrasp_cli.results.figures.hand import draw_hand, hand_in_plane
+from flatgrasp_cli.results.figures.arm import draw_arm, has_arm, manipulability_in_words
+from flatgrasp_cli.results.figures.close import draw_close
+from flatgrasp_cli.results.figures.labels import put
+from flatgrasp_cli.results.figures.marks import draw_places, draw_triad, sensor_in_words
+from flatgrasp_cli.results.figures.page import Page
 from flatgrasp_cli.results.figures.scene import draw_scene
-from flatgrasp_cli.results.figures.style import (
-    GREY,
-    MM,
-    PURPLE,
-    SKY,
-    draw_outline,
-    draw_points,
-    draw_segments,
-    legend,
-    new_figure,
-    plane_axes,
-)
+from flatgrasp_cli.results.figures.style import MM, counted
+from flatgrasp_cli.results.view import middle_of, normal_of, view_of
 
-OTHERS = 5
+REASONS = 3
+"""Objects without a grasp of which the caption says why."""
 
 
 def final_figure(plan: Plan) -> Figure:
-    """The best grasp in the main plane, with the numbers below; of a scene beside a view of all its objects."""
-    support = plan.scene.support
-    figure = new_figure() if support is None else new_figure(14.0, 6.5)
-    source = plan.cloud.source
-    name = f"{replace(source, path=Path(source.path).name)} · {plan.gripper.name}"
-    if support is not None:
-        scene = figure.add_subplot(121)
-        figure.suptitle(name, fontsize=11, x=0.02, ha="left")
-        scene.set_title(f"{_count(plan)} on a support plane", loc="left", fontsize=11)
-        draw_scene(scene, plan, support)
-    if plan.objects:
+    """The best grasp close by; of a scene beside a view of all its objects, and of a robot with its arm."""
+    normal, scene, close, arm = normal_of(plan), plan.scene.support is not None, bool(plan.objects), has_arm(plan)
+    view = view_of(plan, normal)
+    source = replace(plan.cloud.source, path=Path(plan.cloud.source.path).name)
+    page = Page(f"{source} · {plan.gripper.description}", max(1, scene + close + arm))
+    if scene:
+        draw_scene(page.panel(f"from above: {counted(len(plan.objects), 'object')} on a support plane"), plan, view)
+    if close:
         item = plan.objects[0]
-        title = name if support is None else f"object {item.object.id}{_level(item)}"
-        _draw_close(plane_axes(figure, title, 111 if support is None else 122), item, plan.gripper)
-    figure.supxlabel(_caption(plan), fontsize=9, x=0.02, ha="left")
-    return figure
-
-
-def _count(plan: Plan) -> str:
-    return "1 object" if len(plan.objects) == 1 else f"{len(plan.objects)} objects"
+        axes = page.panel(f"object {item.object.id}{_level(item)}")
+        drawn = draw_close(axes, plan, item, view)
+        labels = [] if scene else draw_places(axes, view, plan)
+        drawn = np.concatenate([drawn, *(label.thing for label in labels)])
+        draw_triad(axes, view, plan.cloud.frame_name, drawn)
+        put(axes, labels, drawn)
+    if arm:
+        draw_arm(page.panel(f"{plan.robot.name if plan.robot else ''} in its frame", projection="3d"), plan)
+    if not scene and not close:
+        page.panel("nothing to grasp").set_axis_off()
+    return page.finish(_caption(plan, normal))
 
 
 def _level(item: ObjectPlan) -> str:
     level = item.trace.level_m
-    return "" if level is None else f": the outline of what is higher than {MM * level:.0f} mm"
+    return " in its main plane" if level is None else f": outline of what is higher than {MM * level:.0f} mm"
 
 
-def _draw_close(axes: Axes, item: ObjectPlan, gripper: Gripper) -> None:
-    """One object in its main plane with outline, hand, contacts and centre of gravity."""
-    outline = item.trace.silhouette
-    if outline is None:
-        return
-    draw_points(axes, outline)
-    draw_outline(axes, outline)
-    _draw_hidden(axes, item)
-    if item.grasps:
-        _draw_others(axes, item)
-        draw_hand(axes, item.grasps[0], outline.frame, gripper)
-    if item.trace.gravity_center is not None:
-        center = MM * item.trace.gravity_center
-        axes.plot(*center, "P", color=PURPLE, ms=11, mec="white", zorder=8, label="centre of gravity")
-    legend(axes)
+def _caption(plan: Plan, normal: FloatArray) -> list[tuple[str, str]]:
+    """Rows of a word and what it says."""
+    camera = ("Camera", sensor_in_words(plan, middle_of(plan), normal))
+    best = plan.best
+    if best is None:
+        stage = f" (stage {plan.objects[0].funnel[-1].stage.replace('_', ' ')})" if plan.objects else ""
+        return [("No grasp", f"{plan.reason}{stage}"), camera]
+    rows = [("Where", _where(plan, best)), ("How wide", _how_wide(plan, best)), ("Why", _why(plan, best))]
+    if plan.robot is not None:
+        rows.append(("Robot", f"{plan.robot.name} reaches it: {manipulability_in_words(best)}"))
+    return [*rows, camera, *_without_grasp(plan)]
 
 
-def _draw_hidden(axes: Axes, item: ObjectPlan) -> None:
-    """The sides behind which the object probably goes on, unseen, or whose thickness is not known."""
-    fingers = item.trace.fingers
-    if fingers is None:
-        return
-    unsure = (fingers.hidden > 0) | ~fingers.seen
-    if unsure.any():
-        start, end = fingers.start[unsure], fingers.end[unsure]
-        lines = draw_segments(axes, start, end, colors=SKY, linewidths=3.0, alpha=0.6, zorder=2)
-        lines.set_label("not seen behind")
+def _without_grasp(plan: Plan) -> list[tuple[str, str]]:
+    """Why other objects have none."""
+    missed = [item for item in plan.objects if item.rejection is not None]
+    reasons = [f"object {item.object.id}: {item.rejection.reason}" for item in missed if item.rejection]
+    rows = [("No grasp", reason) for reason in reasons[:REASONS]]
+    return rows if len(reasons) <= REASONS else [*rows, ("", f"and {counted(len(reasons) - REASONS, 'more object')}")]
 
 
-def _draw_others(axes: Axes, item: ObjectPlan) -> None:
-    """The next best grasps, as thin lines."""
-    outline = item.trace.silhouette
-    if outline is None:
-        return
-    for grasp in item.grasps[1 : 1 + OTHERS]:
-        origin, _, along = hand_in_plane(grasp, outline.frame)
-        half = 0.5 * grasp.width_m * along
-        draw_segments(axes, origin[None] - half, origin[None] + half, colors=GREY, linewidths=0.8, zorder=3)
+def _where(plan: Plan, best: Grasp) -> str:
+    approach = ", ".join(f"{value + 0.0:.2f}" for value in np.round(axes_from_quaternion(best.orientation)[2], 2))
+    rows = [f"the fingertips end at {_place(best.position)} in {plan.cloud.frame_name!r}"]
+    if best.tip_height_m is not None and best.grip_m is not None:
+        rows.append(f"{MM * best.tip_height_m:.1f} mm above the plane, where the pads cover {MM * best.grip_m:.1f} mm")
+    if best.way is not None:
+        rows.append(f"the flange is at {_place(best.way.flange.pose.position)} then")
+    return "; ".join([*rows, f"the hand comes along ({approach})"]).replace("-", "−")
 
 
-def _caption(plan: Plan) -> str:
-    if plan.best is not None:
-        return _numbers(plan.best, plan.gripper)
-    stage = f" (stage {plan.objects[0].funnel[-1].stage.replace('_', ' ')})" if plan.objects else ""
-    return textwrap.fill(f"no grasp: {plan.reason}{stage}", 110)
+def _place(position: FloatArray) -> str:
+    """A place (3,) in words."""
+    return ", ".join(f"{name} {MM * value:.0f}" for name, value in zip("xyz", position, strict=True)) + " mm"
 
 
-def _numbers(grasp: Grasp, gripper: Gripper) -> str:
-    depth = ""
-    if grasp.tip_height_m is not None and grasp.grip_m is not None:
-        depth = (
-            f"    fingertips {MM * grasp.tip_height_m:.1f} mm above the plane, pads {MM * grasp.grip_m:.1f} mm high on "
-            f"the object"
-        )
+def _how_wide(plan: Plan, best: Grasp) -> str:
     return (
-        f"width {MM * grasp.width_m:.1f} mm, open {MM * grasp.opening_m:.1f} of {MM * gripper.max_opening_m:.0f} mm"
-        f"    force balance {grasp.force_balance_deg:.1f}°    torque arm {MM * grasp.torque_arm_m:.1f} mm{depth}\n"
-        f"needs friction {grasp.required_friction:.2f} (pads {gripper.pad_friction:.2f})"
-        f"    gravity distance {MM * grasp.gravity_distance_m:.1f} mm"
-        f"    {100 * grasp.inside_share:.0f} % of the grasping line inside the object"
+        f"it comes open {MM * best.opening_m:.1f} of {MM * plan.gripper.max_opening_m:.0f} mm, and closes to "
+        f"{MM * best.width_m:.1f} mm, the object's width there"
     )
+
+
+def _why(plan: Plan, best: Grasp) -> str:
+    reasons = [
+        f"the best of the {plan.objects[0].funnel[-1].kept} that passed every stage",
+        f"its sides are parallel within {best.force_balance_deg:.1f}° (force balance)",
+        f"torque arm {MM * best.torque_arm_m:.1f} mm",
+        f"needs friction {best.required_friction:.2f}, pads have {plan.gripper.pad_friction:.2f}",
+        f"{MM * best.gravity_distance_m:.1f} mm beside the centre of gravity",
+        f"{100 * best.inside_share:.0f} % of the line lies in the object",
+    ]
+    cage = best.cage
+    if cage is not None and cage.squeezing and cage.opening_max_m is not None:
+        reasons.append(f"caged below {MM * cage.opening_max_m:.0f} mm")
+    return "; ".join(reasons)

@@ -5,89 +5,96 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 
-from flatgrasp_cli.geometry.arrays import ByteArray, FloatArray
-from flatgrasp_cli.geometry.frames import Frame
-from flatgrasp_cli.model import ObjectPlan, SupportPlane
+from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
+from flatgrasp_cli.model import ObjectPlan
 from flatgrasp_cli.planning import Plan
-from flatgrasp_cli.results.figures.hand import draw_fingers
-from flatgrasp_cli.results.figures.style import BLACK, BLUE, GREEN, GREY, MM, ORANGE, PALE, PURPLE, RED, SKY, thinned
+from flatgrasp_cli.results.figures.hand import draw_fingers, draw_refused, hand_extent
+from flatgrasp_cli.results.figures.labels import Label, put
+from flatgrasp_cli.results.figures.marks import draw_places, draw_triad
+from flatgrasp_cli.results.figures.page import show
+from flatgrasp_cli.results.figures.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    MM,
+    ORANGE,
+    PALE,
+    PURPLE,
+    RED,
+    SKY,
+    closed,
+    draw_dots,
+    thinned,
+    tick_labels,
+)
+from flatgrasp_cli.results.view import View
 
 COLORS = (BLUE, GREEN, PURPLE, SKY, ORANGE)
-MARGIN_M = 0.12
+MARGIN_MM = 120.0
 
 
-def draw_scene(axes: Axes, plan: Plan, support: SupportPlane) -> None:
-    """The scene seen along the support plane's normal, with what is farther from the sensor further up."""
-    frame = _from_above(plan, support)
-    shown = [item.object.points for item in plan.objects] or [plan.cloud.points]
-    local = frame.to_local(np.concatenate(shown))[:, :2]
-    low, high = local.min(axis=0) - MARGIN_M, local.max(axis=0) + MARGIN_M
-    if plan.cloud.colors is None:
-        _dots(axes, frame, plan.cloud.points, PALE, (low, high))
-        _dots(axes, frame, plan.scene.clutter, BLACK, (low, high))
-        for k, item in enumerate(plan.objects):
-            _dots(axes, frame, item.object.points, COLORS[k % len(COLORS)])
-    else:
-        _colored(axes, frame, plan.cloud.points, plan.cloud.colors, (low, high))
+def draw_scene(axes: Axes, plan: Plan, view: View) -> None:
+    """The scene seen along the support plane's normal."""
+    things = [view.of_world(item.object.points) for item in plan.objects]
+    show(axes, np.concatenate(things or [view.of_world(plan.cloud.points)]), MARGIN_MM)
+    _draw_cloud(axes, plan, view)
+    labels = [_draw_object(axes, plan, k, view) for k in range(len(plan.objects))]
+    labels += draw_places(axes, view, plan)
+    drawn = np.concatenate([np.empty((0, 2)), *map(thinned, things), *(label.thing for label in labels)])
+    tick_labels(axes, view)
+    draw_triad(axes, view, plan.cloud.frame_name, drawn)
+    put(axes, labels, drawn)
+
+
+def _draw_cloud(axes: Axes, plan: Plan, view: View) -> None:
+    """All points: as the camera saw them, or each object in a colour of its own."""
+    low, high = np.column_stack([axes.get_xlim(), axes.get_ylim()])
+
+    def within(points: FloatArray) -> tuple[FloatArray, IntArray]:
+        drawn = view.of_world(points)
+        inside = np.flatnonzero(((drawn > low) & (drawn < high)).all(axis=1))
+        return drawn[inside], inside
+
+    drawn, inside = within(plan.cloud.points)
+    if plan.cloud.colors is not None:
+        draw_dots(axes, drawn, plan.cloud.colors[inside] / 255, "cloud, in its colours")
+        return
+    draw_dots(axes, drawn, PALE, "cloud")
+    if len(plan.scene.clutter):
+        draw_dots(axes, within(plan.scene.clutter)[0], BLACK, "obstacles that are no object")
     for k, item in enumerate(plan.objects):
-        _draw_object(axes, plan, item, frame, COLORS[k % len(COLORS)])
-    axes.set_xlim(MM * low[0], MM * high[0])
-    axes.set_ylim(MM * low[1], MM * high[1])
-    axes.set_aspect("equal", adjustable="box")
-    axes.set_xlabel("mm")
+        draw_dots(axes, view.of_world(item.object.points), _color(k), "objects, a colour each" if k == 0 else None)
 
 
-def _draw_object(axes: Axes, plan: Plan, item: ObjectPlan, frame: Frame, color: str) -> None:
+def _color(k: int) -> str:
+    return COLORS[k % len(COLORS)]
+
+
+def _draw_object(axes: Axes, plan: Plan, k: int, view: View) -> Label:
+    """The object's outline and its best hand, or the best that the robot does not reach; its label."""
+    item = plan.objects[k]
     best = bool(item.grasps) and item.grasps[0] is plan.best
+    parts = [thinned(view.of_world(item.object.points))]
     outline = item.trace.silhouette
     for loop in outline.loops if outline else ():
-        closed = MM * frame.to_local(outline.frame.to_world(loop[[*range(len(loop)), 0]]))  # type: ignore[union-attr]
-        axes.plot(closed[:, 0], closed[:, 1], color=BLACK, lw=0.8, zorder=3)
+        drawn = view.of_plane(outline.frame, closed(loop))  # type: ignore[union-attr]
+        axes.plot(drawn[:, 0], drawn[:, 1], color=BLACK, lw=0.9, zorder=3)
     if item.grasps:
-        draw_fingers(axes, item.grasps[0], frame, plan.gripper, RED if best else GREY)
-    seen = MM * frame.to_local(item.object.points)[:, :2]
-    corner = seen[np.argmax(seen.sum(axis=1))]  # on the object: its box's may lie amid others
-    axes.annotate(
-        f"{item.object.id}" + ("" if item.grasps else " no grasp"),
-        tuple(corner),
-        xytext=(4, 4),
-        textcoords="offset points",
-        color=RED if best else BLACK,
-        fontsize=11,
-        fontweight="bold" if best else "normal",
-        bbox={"boxstyle": "round,pad=0.15", "fc": "white", "ec": color, "alpha": 0.85},
-        zorder=9,
-    )
+        name = "final grasp: the closing line" if best else "best grasps of the other objects"
+        draw_fingers(axes, item.grasps[0], view, plan.gripper, color=RED if best else GREY, label=name)
+        parts.append(hand_extent(item.grasps[0], view, plan.gripper))
+    elif item.refused and plan.robot is not None:
+        draw_refused(axes, item.refused[0], view, plan.gripper, f"best grasp that {plan.robot.name} does not reach")
+        parts.append(hand_extent(item.refused[0], view, plan.gripper))
+    box = {"boxstyle": "round,pad=0.2", "fc": "white", "ec": _color(k), "alpha": 0.9}
+    weight = "bold" if best else "normal"
+    style = {"fontsize": 10, "fontweight": weight, "color": RED if best else BLACK, "bbox": box}
+    return Label(_words(item), np.concatenate(parts), style)
 
 
-def _dots(
-    axes: Axes, frame: Frame, points: FloatArray, color: str, limits: tuple[FloatArray, FloatArray] | None = None
-) -> None:
-    local = frame.to_local(points)[:, :2]
-    if limits is not None:
-        local = local[((local > limits[0]) & (local < limits[1])).all(axis=1)]
-    local = MM * thinned(local)
-    axes.plot(local[:, 0], local[:, 1], ".", ms=1.5, mew=0, color=color, zorder=1)
-
-
-def _colored(
-    axes: Axes, frame: Frame, points: FloatArray, colors: ByteArray, limits: tuple[FloatArray, FloatArray]
-) -> None:
-    """The points as the camera saw them."""
-    local = frame.to_local(points)[:, :2]
-    shown = thinned(np.flatnonzero(((local > limits[0]) & (local < limits[1])).all(axis=1)))
-    axes.scatter(MM * local[shown, 0], MM * local[shown, 1], s=2, lw=0, c=colors[shown] / 255, zorder=1)
-
-
-def _from_above(plan: Plan, support: SupportPlane) -> Frame:
-    """A frame in the support plane, its y axis away from the sensor."""
-    middle = plan.cloud.points.mean(axis=0)
-    away = np.zeros(3) if plan.cloud.sensor is None else -plan.cloud.sensor.toward(middle)
-    away = away - (away @ support.normal) * support.normal
-    length = float(np.linalg.norm(away))
-    if length < 1e-6:
-        away = np.cross(support.normal, np.eye(3)[int(np.argmin(np.abs(support.normal)))])
-        length = float(np.linalg.norm(away))
-    y = away / length
-    origin = middle - support.heights(middle[None])[0] * support.normal
-    return Frame(origin, np.stack([np.cross(y, support.normal), y, support.normal]))
+def _words(item: ObjectPlan) -> str:
+    """The object's number, and how wide it is there, or that it has no grasp."""
+    if item.grasps:
+        return f"{item.object.id}: {MM * item.grasps[0].width_m:.0f} mm"
+    return f"{item.object.id}: {'out of reach' if item.refused else 'no grasp'}"

@@ -6,97 +6,112 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
-from flatgrasp_cli.geometry.frames import Frame
+from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion
 from flatgrasp_cli.model import ObjectPlan, Silhouette
 from flatgrasp_cli.planning import Plan
-from flatgrasp_cli.results.figures.hand import draw_hand
+from flatgrasp_cli.results.figures.close import draw_close
+from flatgrasp_cli.results.figures.hand import CORNERS
+from flatgrasp_cli.results.figures.page import Page
+from flatgrasp_cli.results.figures.space import draw_axes_of, draw_box, draw_hand_in_space, finish_space
 from flatgrasp_cli.results.figures.style import (
-    BLACK,
     BLUE,
     GREEN,
     GREY,
-    ORANGE,
+    MM,
     PALE,
-    PURPLE,
     RED,
-    draw_outline,
+    draw_dots_in_space,
+    entitle,
     new_figure,
-    plane_axes,
-    thinned,
 )
+from flatgrasp_cli.results.view import view_of
+
+UPRIGHT = ("to the right (mm)", "away (mm)", "up (mm)")
+AZIMUTH_DEG = -45.0
+TRIAD_SHARE = 0.2
+"""Length of the frame's axes, of the drawing's size."""
 
 
-def boxes(plan: Plan, item: ObjectPlan) -> Figure | None:
+def boxes(plan: Plan, item: ObjectPlan) -> Figure:
     """Fig. 3: the oriented and the axis-aligned bounding box."""
     box = item.trace.box
-    if box is None:
-        return None
-    figure = new_figure()
-    axes = figure.add_subplot(projection="3d")
-    points = thinned(plan.cloud.points)
-    axes.scatter(*points.T, s=1, color=GREY, depthshade=False)
-    unit = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=np.float64)
-    _draw_box(axes, box.frame.to_world((unit - 0.5) * box.size), RED, "oriented box")
-    _draw_box(axes, box.aabb[0] + unit * np.ptp(box.aabb, axis=0), BLUE, "axis-aligned box")
-    for axis, color, name in zip(box.frame.axes, (ORANGE, GREEN, PURPLE), "xyz", strict=True):
-        axes.quiver(*box.frame.origin, *(0.4 * box.size.max() * axis), color=color, label=f"{name} axis")
-    _finish_3d(axes, "A.1 oriented bounding box and main plane")
-    return figure
+    assert box is not None  # noqa: S101 - stages that were not reached are not drawn
+    page = Page("A.1 oriented bounding box and main plane", 1)
+    axes = page.panel("", projection="3d")
+    frame = _upright(plan, item)
+    points = frame.to_local(item.object.points)
+    draw_dots_in_space(axes, points, GREY, "object")
+    corners = [box.frame.to_world((CORNERS - 0.5) * box.size), box.aabb[0] + CORNERS * np.ptp(box.aabb, axis=0)]
+    for found, color, name in zip(corners, (RED, BLUE), ("oriented box", "axis-aligned box"), strict=True):
+        draw_box(axes, frame.to_local(found), color, name)
+    center = frame.to_local(box.frame.origin[None])[0]
+    toward = box.frame.axes @ frame.axes.T
+    draw_axes_of(axes, center, toward, 0.5 * float(box.size.max()), "x, y, z: axes of the oriented box")
+    finish_space(axes, np.vstack([points, *map(frame.to_local, corners)]), UPRIGHT, AZIMUTH_DEG)
+    size = " × ".join(f"{MM * length:.0f}" for length in box.size)
+    words = f"{size} mm along its axes x (major), y (middle) and z (minor, toward the sensor)"
+    return page.finish([("Box", f"{words}; x and y span the main plane")])
 
 
-def _draw_box(axes: object, corners: FloatArray, color: str, name: str) -> None:
-    for a in range(8):
-        for bit in (1, 2, 4):
-            if not a & bit:
-                ends = corners[[a, a | bit]]
-                axes.plot(*ends.T, color=color, lw=1.2, label=name if (a, bit) == (0, 1) else None)  # type: ignore[attr-defined]
-
-
-def balance_surface(_: Plan, item: ObjectPlan) -> Figure | None:
-    """Fig. 13 (a): the same as a surface."""
+def balance_surface(_: Plan, item: ObjectPlan) -> Figure:
+    """Fig. 13 (a): the force balance of all pairs as a surface."""
     height = resultant(item)
-    if height is None:
-        return None
     figure = new_figure()
     axes = figure.add_subplot(projection="3d")
     j, i = np.meshgrid(np.arange(height.shape[1]), np.arange(height.shape[0]))
-    axes.plot_surface(i, j, height, cmap="cividis", vmin=0, vmax=2, rcount=120, ccount=120, linewidth=0)
-    axes.set(xlabel="candidate i", ylabel="candidate j", zlabel="2 sin(γ/2)")
-    axes.set_title("B.1 force balance", loc="left", fontsize=11)
+    surface = axes.plot_surface(i, j, height, cmap="cividis", vmin=0, vmax=2, rcount=120, ccount=120, linewidth=0)
+    figure.colorbar(surface, ax=axes, label="resultant of two unit forces, 2 sin(γ/2)", shrink=0.6, pad=0.12)
+    axes.set(xlabel="finger candidate i", ylabel="finger candidate j", zlabel="2 sin(γ/2)")
+    entitle(figure, "B.1 force balance: low pairs are balanced")
     return figure
 
 
-def resultant(item: ObjectPlan) -> FloatArray | None:
-    """|n_i + n_j| = 2·sin(γ/2) of every pair: 0 for the best, 2 for the worst; None without a pair."""
+def resultant(item: ObjectPlan) -> FloatArray:
+    """|n_i + n_j| = 2·sin(γ/2) of every pair: 0 for the best, 2 for the worst."""
     gamma = item.trace.force_balance_deg
-    return None if gamma is None or gamma.size == 0 else 2 * np.sin(np.radians(gamma) / 2)
+    return np.empty((0, 0)) if gamma is None else np.asarray(2 * np.sin(np.radians(gamma) / 2))
 
 
-def final_on_cloud(plan: Plan, item: ObjectPlan) -> Figure | None:
+def final_on_cloud(plan: Plan, item: ObjectPlan) -> Figure:
     """Fig. 17 (b) and 18: the final grasp in the plane and on the cloud."""
-    outline = item.trace.silhouette
-    if outline is None or not item.grasps:
-        return None
-    figure = new_figure(12.0, 5.5)
-    axes = plane_axes(figure, "the final grasp", 121)
-    draw_outline(axes, outline)
-    draw_hand(axes, item.grasps[0], outline.frame, plan.gripper)
-    solid = figure.add_subplot(122, projection="3d")
-    points, near = _near_pads(item, outline)
-    solid.scatter(*thinned(points[~near]).T, s=1, color=PALE, depthshade=False)
-    solid.scatter(*thinned(points[near]).T, s=3, color=BLUE, depthshade=False, label="under the pads")
-    grasp = item.grasps[0]
-    solid.plot(*grasp.contacts.T, "o-", color=RED, lw=2, label="grasping line")
-    frame = Frame(grasp.position, outline.frame.axes)
-    approach = frame.to_world(np.array([[0.0, 0.0, 0.06], [0.0, 0.0, 0.0]]))
-    solid.plot(*approach.T, color=GREEN, lw=2, label="approach")
-    solid.scatter(*approach[1], color=BLACK, s=12)
-    _finish_3d(solid, "on the cloud")
-    return figure
+    outline, grasp = item.trace.silhouette, item.grasps[0]
+    assert outline is not None  # noqa: S101 - of a grasp there is one
+    view = view_of(plan, outline.frame.axes[2])
+    page = Page("C the final grasp", 2)
+    draw_close(page.panel("in the main plane"), plan, item, view)
+    axes = page.panel("on the cloud", projection="3d")
+    frame = _upright(plan, item)
+    near = _near_pads(item, outline)
+    points = frame.to_local(item.object.points)
+    draw_dots_in_space(axes, points[~near], PALE, "object")
+    draw_dots_in_space(axes, points[near], BLUE, "under the pads")
+    contacts = MM * frame.to_local(grasp.contacts)
+    axes.plot(*contacts.T, "o-", color=RED, lw=2, label="grasping line and contacts, in space")
+    hand = draw_hand_in_space(
+        axes, grasp, plan.gripper, color=GREEN, label="hand, closed: from flange to palm", frame=frame
+    )
+    _draw_frame(axes, frame, plan, np.vstack([points, hand]))
+    finish_space(axes, np.vstack([points, hand]), UPRIGHT, AZIMUTH_DEG)
+    approach = ", ".join(f"{value + 0.0:.2f}" for value in np.round(axes_from_quaternion(grasp.orientation)[2], 2))
+    return page.finish([("Approach", f"along ({approach}) in {plan.cloud.frame_name!r}".replace("-", "−"))])
 
 
-def _near_pads(item: ObjectPlan, outline: Silhouette) -> tuple[FloatArray, BoolArray]:
-    """The object's points, and which of them lie under the two finger candidates of the final grasp."""
+def _draw_frame(axes: object, frame: Frame, plan: Plan, drawn: FloatArray) -> None:
+    """The directions of the answer's frame, in the drawing's upper left corner."""
+    corner, size = np.append(drawn.min(axis=0)[:2], drawn[:, 2].max()), float(np.ptp(drawn, axis=0).max())
+    label = f"x, y, z: axes of the frame {plan.cloud.frame_name!r}"
+    draw_axes_of(axes, corner, frame.axes.T, TRIAD_SHARE * size, label)
+
+
+def _upright(plan: Plan, item: ObjectPlan) -> Frame:
+    """The frame to draw an object in, so that it stands upright."""
+    support, box = item.object.support, item.trace.box
+    normal = support.normal if support is not None else box.frame.axes[2] if box is not None else -np.eye(3)[2]
+    return view_of(plan, normal).upright(on_plane=support is not None)
+
+
+def _near_pads(item: ObjectPlan, outline: Silhouette) -> BoolArray:
+    """Which of the object's points lie under the two finger candidates of the final grasp."""
     fingers, grasp, points = item.trace.fingers, item.grasps[0], item.object.points
     near = np.zeros(len(points), dtype=np.bool_)
     if fingers is not None:
@@ -104,12 +119,4 @@ def _near_pads(item: ObjectPlan, outline: Silhouette) -> tuple[FloatArray, BoolA
         for k in grasp.fingers:
             away = np.linalg.norm(projected - fingers.contact[k], axis=1)
             near |= away < fingers.width[k] / 2
-    return points, near
-
-
-def _finish_3d(axes: object, title: str) -> None:
-    axes.set_title(title, loc="left", fontsize=11)  # type: ignore[attr-defined]
-    axes.set(xlabel="x (m)", ylabel="y (m)", zlabel="z (m)")  # type: ignore[attr-defined]
-    axes.set_aspect("equal")  # type: ignore[attr-defined]
-    axes.tick_params(labelsize=7)  # type: ignore[attr-defined]
-    axes.legend(fontsize=8, frameon=False)  # type: ignore[attr-defined]
+    return near

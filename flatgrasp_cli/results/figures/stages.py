@@ -4,30 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from flatgrasp_cli.geometry.arrays import IntArray
 from flatgrasp_cli.geometry.sampling import spread_indices
-from flatgrasp_cli.model import FingerCandidates, ObjectPlan
+from flatgrasp_cli.model import ObjectPlan
 from flatgrasp_cli.planning import Plan
+from flatgrasp_cli.results.figures.plane import PlaneDrawing
 from flatgrasp_cli.results.figures.solid import balance_surface, boxes, final_on_cloud, resultant
 from flatgrasp_cli.results.figures.style import (
     BLUE,
-    GREY,
     MM,
     PALE,
     PURPLE,
     RED,
     SKY,
-    draw_outline,
-    draw_points,
-    draw_segments,
-    legend,
+    counted,
+    draw_dots,
+    entitle,
     new_figure,
-    plane_axes,
 )
+
+Draw = Callable[[Plan, ObjectPlan], Figure]
 
 MAX_PAIRS = 250
 PAIR_STAGES = {
@@ -41,107 +42,109 @@ PAIR_STAGES = {
     "depth": "B.5",
     "palm": "B.5",
 }
+"""The sections of the paper that the stages are from, or carry further."""
 
 
-def stage_figures(plan: Plan) -> Iterator[tuple[str, Callable[[], Figure | None]]]:
-    """Name of each stage in the method's order, and what draws it: None where the first object did not get so far."""
+def stage_figures(plan: Plan) -> Iterator[tuple[str, Callable[[], Figure]]]:
+    """Numbered names of the stages that the first object got to, in the method's order, and what draws each."""
     if not plan.objects:
         return
     item = plan.objects[0]
-    drawings: list[tuple[str, Callable[[Plan, ObjectPlan], Figure | None]]] = [
-        ("obb", boxes),
-        ("projection", _projection),
-        ("step_points", _step_points),
-        ("finger_candidates", _finger_candidates),
-        ("grasping_directions", _directions),
-        ("force_balance_image", _balance_image),
-        ("force_balance_surface", balance_surface),
-        ("funnel", _funnel),
-        *((stage, _pairs_of(stage)) for stage in PAIR_STAGES),
-        ("gravity", _gravity),
-        ("final_grasp", final_on_cloud),
+    for number, (name, draw) in enumerate(_drawings(item), start=1):
+        yield f"{number:02d}_{name}", partial(_numbered, number, draw, plan, item)
+
+
+def _drawings(item: ObjectPlan) -> Iterator[tuple[str, Draw]]:
+    """What can be drawn of an object."""
+    trace = item.trace
+    outlined = trace.silhouette is not None
+    fingers = outlined and trace.fingers is not None
+    balanced = outlined and resultant(item).size > 0
+    drawings: list[tuple[bool, str, Draw]] = [
+        (trace.box is not None, "obb", boxes),
+        (outlined, "projection", _projection),
+        (outlined and bool(trace.steps), "step_points", _step_points),
+        (fingers, "finger_candidates", _finger_candidates),
+        (fingers, "grasping_directions", _directions),
+        (balanced, "force_balance_image", _balance_image),
+        (balanced, "force_balance_surface", balance_surface),
+        (True, "funnel", _funnel),
+        *((fingers, stage, _pairs_of(stage)) for stage in trace.survivors if stage in PAIR_STAGES),
+        (fingers and trace.ranked is not None and trace.gravity_distance_m is not None, "gravity", _gravity),
+        (outlined and bool(item.grasps), "final_grasp", final_on_cloud),
     ]
-    for number, (name, draw) in enumerate(drawings, start=1):
-        yield f"{number:02d}_{name}", partial(draw, plan, item)
+    return ((name, draw) for drawn, name, draw in drawings if drawn)
 
 
-def _projection(_: Plan, item: ObjectPlan) -> Figure | None:
+def _numbered(number: int, draw: Draw, plan: Plan, item: ObjectPlan) -> Figure:
+    """A stage's figure with its number in the title, the same as in the file's name."""
+    figure = draw(plan, item)
+    entitle(figure, f"{number}. {figure.get_suptitle()}")
+    return figure
+
+
+def _projection(plan: Plan, item: ObjectPlan) -> Figure:
     """Figs. 4 and 5: the projection and its concave hull, in serial order."""
     outline = item.trace.silhouette
-    if outline is None:
-        return None
-    figure = new_figure()
+    assert outline is not None  # noqa: S101
     holes = max(len(outline.loops) - 1, 0)
-    title = (
-        f"A.2 projection and concave hull: α = {MM * outline.alpha_m:.1f} mm, {holes} hole{'' if holes == 1 else 's'}"
+    plane = PlaneDrawing(
+        plan, item, f"A.2 projection and concave hull: α = {MM * outline.alpha_m:.1f} mm, {counted(holes, 'hole')}"
     )
-    axes = plane_axes(figure, title)
-    draw_points(axes, outline)
-    draw_outline(axes, outline)
+    draw_dots(plane.axes, plane.of(outline.points), PALE, "projected cloud")
     for loop in outline.loops:
-        axes.scatter(MM * loop[:, 0], MM * loop[:, 1], c=np.arange(len(loop)), cmap="viridis", s=14, zorder=3)
-    axes.plot([], [], "o", ms=1.5, color="C2", label="vertices in serial order")
-    legend(axes)
-    return figure
+        drawn = plane.of(loop)
+        plane.axes.scatter(drawn[:, 0], drawn[:, 1], c=np.arange(len(loop)), cmap="viridis", s=14, zorder=3)
+    plane.axes.plot([], [], "o", ms=4, color="#440154", label="vertices: the first")
+    plane.axes.plot([], [], "o", ms=4, color="#fde725", label="vertices: the last")
+    return plane.finish()
 
 
-def _step_points(_: Plan, item: ObjectPlan) -> Figure | None:
+def _step_points(plan: Plan, item: ObjectPlan) -> Figure:
     """Fig. 7: step points."""
-    outline, steps = item.trace.silhouette, item.trace.steps
-    if outline is None or not steps:
-        return None
-    figure = new_figure()
+    steps = item.trace.steps
     total = sum(len(step.points) for step in steps)
-    axes = plane_axes(figure, f"A.3.1 {total} step points, r = {MM * steps[0].step_m:.1f} mm")
-    draw_outline(axes, outline, BLUE)
-    for step in steps:
-        axes.plot(*(MM * step.points).T, "o", ms=3, color=RED, zorder=3)
-    return figure
+    plane = PlaneDrawing(plan, item, f"A.3.1 {counted(total, 'step point')}, r = {MM * steps[0].step_m:.1f} mm", BLUE)
+    drawn = plane.of(np.concatenate([step.points for step in steps]))
+    plane.axes.plot(*drawn.T, "o", ms=3, color=RED, zorder=3, label="step points")
+    return plane.finish()
 
 
-def _finger_candidates(_: Plan, item: ObjectPlan) -> Figure | None:
+def _finger_candidates(plan: Plan, item: ObjectPlan) -> Figure:
     """Fig. 8: finger candidates."""
-    outline, fingers = item.trace.silhouette, item.trace.fingers
-    if outline is None or fingers is None:
-        return None
-    figure = new_figure()
-    widths = ", ".join(f"{MM * width:.1f}" for width in np.unique(fingers.width))
-    axes = plane_axes(figure, f"A.3.2 {len(fingers)} finger candidates, w_f = {widths} mm")
-    draw_outline(axes, outline, GREY)
+    fingers = item.trace.fingers
+    assert fingers is not None  # noqa: S101
+    plane = PlaneDrawing(plan, item, f"A.3.2 {counted(len(fingers), 'finger candidate')}")
     for width, color in zip(np.unique(fingers.width), (PURPLE, SKY), strict=False):
         chosen = fingers.width == width
-        draw_segments(axes, fingers.start[chosen], fingers.end[chosen], colors=color, linewidths=1.0, zorder=3)
-    return figure
+        label = f"{counted(int(chosen.sum()), 'candidate')} for w_f = {MM * width:.1f} mm"
+        plane.segments(fingers.start[chosen], fingers.end[chosen], label, colors=color, linewidths=1.2, zorder=3)
+    return plane.finish()
 
 
-def _directions(_: Plan, item: ObjectPlan) -> Figure | None:
+def _directions(plan: Plan, item: ObjectPlan) -> Figure:
     """Fig. 11 (c): inside grasping directions."""
     outline, fingers = item.trace.silhouette, item.trace.fingers
-    if outline is None or fingers is None:
-        return None
-    figure = new_figure()
-    axes = plane_axes(figure, f"A.3.3 grasping directions, {item.trace.doubted_directions} doubted")
-    draw_outline(axes, outline, GREY)
+    assert outline is not None  # noqa: S101
+    assert fingers is not None  # noqa: S101
+    plane = PlaneDrawing(plan, item, f"A.3.3 grasping directions, {item.trace.doubted_directions} doubted")
     length = 0.05 * float(np.ptp(outline.loops[0], axis=0).max())
-    draw_segments(axes, fingers.start, fingers.end, colors=PURPLE, linewidths=0.6, zorder=3)
+    plane.segments(fingers.start, fingers.end, "finger candidates", colors=PURPLE, linewidths=0.6, zorder=3)
     tips = fingers.contact + length * fingers.direction
-    draw_segments(axes, fingers.contact, tips, colors=BLUE, linewidths=0.8, zorder=4)
-    axes.plot(*(MM * tips).T, ".", ms=2, color=BLUE, zorder=5)
-    return figure
+    plane.segments(fingers.contact, tips, "grasping directions: inward", colors=BLUE, linewidths=0.8, zorder=4)
+    plane.axes.plot(*plane.of(tips).T, ".", ms=3, color=BLUE, zorder=5)
+    return plane.finish()
 
 
-def _balance_image(_: Plan, item: ObjectPlan) -> Figure | None:
+def _balance_image(_: Plan, item: ObjectPlan) -> Figure:
     """Fig. 13 (b): the resultant force of all pairs as an image."""
-    height = resultant(item)
-    if height is None:
-        return None
     figure = new_figure()
     axes = figure.add_subplot()
-    image = axes.imshow(height, cmap="cividis", vmin=0, vmax=2, origin="lower", interpolation="nearest")
+    image = axes.imshow(resultant(item), cmap="cividis", vmin=0, vmax=2, origin="lower", interpolation="nearest")
     figure.colorbar(image, ax=axes, label="resultant of two unit forces, 2 sin(γ/2)")
     axes.set_xlabel("finger candidate j")
     axes.set_ylabel("finger candidate i")
-    axes.set_title("B.1 force balance: dark pairs are balanced", loc="left", fontsize=11)
+    entitle(figure, "B.1 force balance: dark pairs are balanced")
     return figure
 
 
@@ -154,35 +157,29 @@ def _funnel(_: Plan, item: ObjectPlan) -> Figure:
     bars = axes.barh(names, kept, color=BLUE)
     axes.bar_label(bars, padding=3)
     axes.set_xscale("symlog", linthresh=1)
+    axes.xaxis.set_major_formatter("{x:g}")
     axes.set_xlim(0, 5 * max(1, *kept))
     axes.invert_yaxis()
-    axes.set_xlabel("kept")
-    axes.set_title("The funnel", loc="left", fontsize=11)
+    axes.set_xlabel("candidates kept")
+    axes.set_ylabel("stage, in the method's order")
+    entitle(figure, "The funnel: how many candidates each stage kept")
     return figure
 
 
-def _pairs_of(stage: str) -> Callable[[Plan, ObjectPlan], Figure | None]:
+def _pairs_of(stage: str) -> Draw:
     """Drawing of the pairs that a stage kept, over those that it removed."""
 
-    def draw(_: Plan, item: ObjectPlan) -> Figure | None:
+    def draw(plan: Plan, item: ObjectPlan) -> Figure:
         trace = item.trace
-        outline, fingers = trace.silhouette, trace.fingers
-        if outline is None or fingers is None or stage not in trace.survivors:
-            return None
+        kept, names = trace.survivors[stage], [each.stage for each in item.funnel]
+        before = item.funnel[names.index(stage) - 1].kept if stage in names[1:] else len(kept)
         order = list(trace.survivors)
-        kept = trace.survivors[stage]
-        before = trace.survivors[order[order.index(stage) - 1]] if order.index(stage) else kept
-        figure = new_figure()
-        axes = plane_axes(
-            figure, f"{PAIR_STAGES[stage]} {stage.replace('_', ' ')}: kept {len(kept)} of {len(before)} pairs"
-        )
-        draw_outline(axes, outline)
-        _draw_pairs(
-            axes, fingers, _difference(before, kept), "removed", {"colors": PALE, "linewidths": 0.5, "zorder": 3}
-        )
-        _draw_pairs(axes, fingers, kept, "kept", {"colors": BLUE, "linewidths": 0.6, "zorder": 4})
-        legend(axes)
-        return figure
+        earlier = trace.survivors[order[order.index(stage) - 1]] if order.index(stage) else kept
+        title = f"{PAIR_STAGES[stage]} {stage.replace('_', ' ')}: kept {len(kept)} of {counted(before, 'pair')}"
+        plane = PlaneDrawing(plan, item, title)
+        _draw_pairs(plane, item, _difference(earlier, kept), "removed", colors=PALE, linewidths=0.7, zorder=3)
+        _draw_pairs(plane, item, kept, "kept", colors=BLUE, linewidths=0.7, zorder=4)
+        return plane.finish()
 
     return draw
 
@@ -192,34 +189,39 @@ def _difference(pairs: IntArray, without: IntArray) -> IntArray:
     return np.array([pair for pair in pairs.tolist() if tuple(pair) not in gone], dtype=np.intp).reshape(-1, 2)
 
 
-def _draw_pairs(axes: object, fingers: FingerCandidates, pairs: IntArray, label: str, style: dict[str, object]) -> None:
+def _draw_pairs(plane: PlaneDrawing, item: ObjectPlan, pairs: IntArray, word: str, **style: Any) -> None:
     """Grasping lines of an even sample of pairs."""
+    fingers = item.trace.fingers
+    if fingers is None or not len(pairs):
+        return
     shown = pairs[spread_indices(len(pairs), MAX_PAIRS)]
-    lines = draw_segments(axes, fingers.contact[shown[:, 0]], fingers.contact[shown[:, 1]], **style)  # type: ignore[arg-type]
-    lines.set_label(
-        f"{label} ({len(shown)} of {len(pairs)} shown)" if len(shown) < len(pairs) else f"{label} ({len(pairs)})"
-    )
+    label = f"{word} ({len(shown)} of {len(pairs)} shown)" if len(shown) < len(pairs) else f"{word} ({len(pairs)})"
+    plane.segments(fingers.contact[shown[:, 0]], fingers.contact[shown[:, 1]], label, **style)
 
 
-def _gravity(_: Plan, item: ObjectPlan) -> Figure | None:
+def _gravity(plan: Plan, item: ObjectPlan) -> Figure:
     """Fig. 17: grasping lines by their distance to the centre of gravity, and the final grasp."""
-    trace = item.trace
-    if trace.silhouette is None or trace.fingers is None or trace.ranked is None or trace.gravity_distance_m is None:
-        return None
-    figure = new_figure()
-    axes = plane_axes(figure, "C gravity: the final grasp (bold), all others by gravity distance")
-    draw_outline(axes, trace.silhouette)
+    trace, fingers = item.trace, item.trace.fingers
+    assert fingers is not None  # noqa: S101
+    assert trace.ranked is not None  # noqa: S101
+    assert trace.gravity_distance_m is not None  # noqa: S101
+    plane = PlaneDrawing(plan, item, "C gravity: grasps by their distance to the centre of gravity")
     step = max(1, len(trace.ranked) // MAX_PAIRS)
     shown, distance = trace.ranked[::step][::-1], MM * trace.gravity_distance_m[::step][::-1]
-    contact = trace.fingers.contact
-    lines = draw_segments(axes, contact[shown[:, 0]], contact[shown[:, 1]], linewidths=0.8, zorder=3)
+    contact = fingers.contact
+    lines = plane.segments(contact[shown[:, 0]], contact[shown[:, 1]], "grasps", linewidths=0.9, zorder=3)
     lines.set(array=distance, cmap="viridis")
-    figure.colorbar(lines, ax=axes, label="gravity distance (mm)", shrink=0.7)
+    scale = plane.axes.inset_axes((1.06, 0.0, 0.035, 0.6))
+    scale.figure.colorbar(lines, cax=scale, label="gravity distance (mm)")
     best = trace.ranked[0]
     for k in best:
-        ends = MM * np.stack([trace.fingers.start[k], trace.fingers.end[k]])
-        axes.plot(ends[:, 0], ends[:, 1], color=RED, lw=4, zorder=5, solid_capstyle="butt")
-    axes.plot(*(MM * contact[best]).T, color=RED, lw=1.5, zorder=5)
+        ends = plane.of(np.stack([fingers.start[k], fingers.end[k]]))
+        label = "the final grasp's finger candidates" if k == best[0] else None
+        plane.axes.plot(*ends.T, color=RED, lw=4, zorder=5, solid_capstyle="butt", label=label)
+    plane.axes.plot(*plane.of(contact[best]).T, color=RED, lw=1.5, zorder=5, label="the final grasp")
     if trace.gravity_center is not None:
-        axes.plot(*(MM * trace.gravity_center), "P", color=PURPLE, ms=11, mec="white", zorder=6)
-    return figure
+        center = plane.of(trace.gravity_center[None])
+        plane.axes.plot(
+            *center.T, "P", color=PURPLE, ms=11, mec="white", ls="none", zorder=6, label="centre of gravity"
+        )
+    return plane.finish()

@@ -13,12 +13,14 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.ticker import FuncFormatter
 from numpy.typing import NDArray
 
 from flatgrasp_cli.errors import FigureError
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.sampling import spread_indices
-from flatgrasp_cli.model import Silhouette
+from flatgrasp_cli.results.view import View
 
 Scalar = TypeVar("Scalar", bound=np.generic)
 # Okabe & Ito's palette: told apart by every kind of colour vision.
@@ -26,15 +28,28 @@ BLACK, GREY, PALE = "#000000", "#7f7f7f", "#c8c8c8"
 ORANGE, SKY, GREEN, BLUE, RED, PURPLE = "#E69F00", "#56B4E9", "#009E73", "#0072B2", "#D55E00", "#CC79A7"
 
 MM = 1e3
+DPI = 120
+CORNER_IN, TITLE_IN = (0.2, 0.12), 0.42
+"""Where titles begin, and the room above the drawings that is theirs."""
 MAX_POINTS = 6000
 """Points drawn of a cloud: more only darken the picture."""
 
 
 def new_figure(width: float = 8.0, height: float = 6.0) -> Figure:
     """An empty figure, in inches, that needs no display."""
-    figure = Figure(figsize=(width, height), layout="constrained")
+    figure = Figure(figsize=(width, height), dpi=DPI, layout="constrained")
     FigureCanvasAgg(figure)
     return figure
+
+
+def entitle(figure: Figure, title: str) -> None:
+    """Write a title in the figure's upper left corner; a second one takes its place."""
+    width, height = figure.get_size_inches()
+    place = {"x": CORNER_IN[0] / width, "y": 1 - CORNER_IN[1] / height, "ha": "left", "va": "top"}
+    figure.suptitle(title, fontsize=11, fontweight="bold", **place)
+    engine = figure.get_layout_engine()
+    if isinstance(engine, ConstrainedLayoutEngine):  # which leaves no room for a title that has a place of its own
+        engine.set(rect=(0, 0, 1, 1 - TITLE_IN / height))
 
 
 def as_png(draw: Callable[[], Figure | None]) -> bytes | None:
@@ -52,21 +67,10 @@ def as_png(draw: Callable[[], Figure | None]) -> bytes | None:
             figure = draw()
             if figure is None:
                 return None
-            figure.savefig(content, format="png", dpi=120)
+            figure.savefig(content, format="png", dpi=DPI)
     except Exception as error:
         raise FigureError(f"the picture cannot be drawn: {type(error).__name__}: {error}") from error
     return content.getvalue()
-
-
-def plane_axes(figure: Figure, title: str, position: Any = 111) -> Axes:
-    """Axes of the main plane in millimetres."""
-    axes: Axes = figure.add_subplot(position)
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.set_xlabel("u (mm)")
-    axes.set_ylabel("v (mm)")
-    axes.set_title(title, loc="left", fontsize=11)
-    axes.margins(0.08)
-    return axes
 
 
 def thinned(points: NDArray[Scalar]) -> NDArray[Scalar]:
@@ -74,29 +78,42 @@ def thinned(points: NDArray[Scalar]) -> NDArray[Scalar]:
     return points[spread_indices(len(points), MAX_POINTS)]
 
 
-def draw_points(axes: Axes, outline: Silhouette) -> None:
-    """The projected cloud, pale."""
-    points = MM * thinned(outline.points)
-    axes.plot(points[:, 0], points[:, 1], ".", ms=1.5, mew=0, color=PALE, zorder=1, label="cloud")
+def counted(number: int, thing: str) -> str:
+    """So many of a thing, in words."""
+    return f"{number} {thing}" if number == 1 else f"{number} {thing}s"
 
 
-def draw_outline(axes: Axes, outline: Silhouette, color: str = BLACK, **style: Any) -> None:
-    """The loops of the concave hull."""
-    for k, loop in enumerate(outline.loops):
-        closed = MM * loop[[*range(len(loop)), 0]]
-        axes.plot(
-            closed[:, 0], closed[:, 1], color=color, lw=1.2, zorder=2, label="outline" if k == 0 else None, **style
-        )
+def closed(loop: FloatArray) -> FloatArray:
+    """A loop (n, 2) with its first vertex again at its end."""
+    return loop[[*range(len(loop)), 0]]
+
+
+def draw_dots(axes: Axes, drawn: FloatArray, color: Any, label: str | None = None) -> None:
+    """Points (n, 2) in the drawing, thinned; `color` for all or (n, 3) for each."""
+    shown = thinned(np.arange(len(drawn)))
+    colors = color[shown] if isinstance(color, np.ndarray) else color
+    axes.scatter(drawn[shown, 0], drawn[shown, 1], s=3, lw=0, c=colors, zorder=1)
+    if label is not None:  # that of a dot would not be seen
+        axes.plot([], [], "o", ms=4, mew=0, color=PALE if isinstance(color, np.ndarray) else color, label=label)
 
 
 def draw_segments(axes: Axes, start: FloatArray, end: FloatArray, **style: Any) -> LineCollection:
-    """Segments from `start` to `end` (n, 2), which also count for the axes' limits."""
-    lines = LineCollection([(MM * a, MM * b) for a, b in zip(start, end, strict=True)], **style)
+    """Segments from `start` to `end` (n, 2) in the drawing, which also count for the axes' limits."""
+    lines = LineCollection(list(np.stack([start, end], axis=1)), **style)
     axes.add_collection(lines)
     axes.autoscale_view()
     return lines
 
 
-def legend(axes: Axes) -> None:
-    """A legend outside the drawing."""
-    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=8, frameon=False)
+def tick_labels(axes: Axes, view: View) -> None:
+    """Name the axes of a drawing, and number them in the frame's coordinates where it is seen along one."""
+    for k, axis in enumerate((axes.xaxis, axes.yaxis)):
+        name, sign = view.label(k)
+        axis.set_label_text(name, fontsize=9)
+        axis.set_major_formatter(FuncFormatter(lambda value, _, sign=sign: f"{sign * value + 0.0:g}".replace("-", "−")))
+
+
+def draw_dots_in_space(axes: Any, points: FloatArray, color: str, label: str) -> None:
+    """Points (n, 3), metres, thinned."""
+    axes.scatter(*(MM * thinned(points).T), s=2, lw=0, color=color, depthshade=False)
+    axes.plot([], [], [], "o", ms=4, mew=0, color=color, label=label)

@@ -1,0 +1,104 @@
+"""One object and its best grasp, close by."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.model import ObjectPlan, Silhouette
+from flatgrasp_cli.planning import Plan
+from flatgrasp_cli.results.figures.hand import DrawnHand, draw_hand, draw_refused, hand_extent
+from flatgrasp_cli.results.figures.page import show
+from flatgrasp_cli.results.figures.style import (
+    BLACK,
+    BLUE,
+    GREY,
+    PALE,
+    PURPLE,
+    SKY,
+    closed,
+    draw_dots,
+    draw_segments,
+    thinned,
+    tick_labels,
+)
+from flatgrasp_cli.results.view import View
+
+OTHERS = 5
+MARGIN_SHARE = 0.15
+"""Room around an object and its hand, of what is drawn."""
+MAX_MISSED = 60
+"""Pairs that are drawn of those that the last stage removed."""
+
+
+def draw_close(axes: Axes, plan: Plan, item: ObjectPlan, view: View) -> FloatArray:
+    """An object with its outline, hand, contacts and centre of gravity; the points (n, 2) that are not to be hidden."""
+    outline = item.trace.silhouette
+    if outline is None:
+        drawn = view.of_world(item.object.points)
+        draw_dots(axes, drawn, PALE, "cloud")
+    else:
+        drawn = _draw_outline(axes, item, outline, view)
+    for grasp in (*item.grasps[:1], *item.refused[:1]):
+        drawn = np.vstack([drawn, hand_extent(grasp, view, plan.gripper)])
+    _draw_grasps(axes, plan, item, view)
+    center = item.trace.gravity_center
+    if center is not None and outline is not None:
+        place = view.of_plane(outline.frame, center[None])
+        axes.plot(*place.T, "P", color=PURPLE, ms=11, mec="white", zorder=8, ls="none", label="centre of gravity")
+    show(axes, drawn, MARGIN_SHARE * float(np.ptp(drawn, axis=0).max(initial=0.0)) if len(drawn) else 0.0)
+    tick_labels(axes, view)
+    return drawn
+
+
+def _draw_outline(axes: Axes, item: ObjectPlan, outline: Silhouette, view: View) -> FloatArray:
+    """Points and outline; where they are (n, 2)."""
+    points = view.of_plane(outline.frame, outline.points)
+    draw_dots(axes, points, PALE, "cloud")
+    draw_loops(axes, outline, view)
+    fingers = item.trace.fingers
+    if fingers is not None:
+        unsure = (fingers.hidden > 0) | ~fingers.seen
+        if unsure.any():
+            start, end = (view.of_plane(outline.frame, ends[unsure]) for ends in (fingers.start, fingers.end))
+            style = {"colors": SKY, "linewidths": 3.0, "alpha": 0.6, "zorder": 2}
+            draw_segments(axes, start, end, **style).set_label("not seen behind: it may go on")
+    loops = [view.of_plane(outline.frame, closed(loop)) for loop in outline.loops]
+    return np.concatenate([*loops, thinned(points)])
+
+
+def draw_loops(axes: Axes, outline: Silhouette, view: View, color: str = BLACK) -> None:
+    """The loops of the concave hull."""
+    for k, loop in enumerate(outline.loops):
+        drawn = view.of_plane(outline.frame, closed(loop))
+        axes.plot(drawn[:, 0], drawn[:, 1], color=color, lw=1.2, zorder=2, label="outline" if k == 0 else None)
+
+
+def _draw_grasps(axes: Axes, plan: Plan, item: ObjectPlan, view: View) -> None:
+    """The best grasp and the next ones, or what came nearest to one."""
+    others = item.grasps[1 : 1 + OTHERS]
+    for k, grasp in enumerate(others):
+        hand, half = DrawnHand.of(grasp, view), 0.5 * grasp.width_m
+        line = hand.place(np.array([[0.0, -half], [0.0, half]]))
+        ranks = f"rank {others[0].rank}" if len(others) == 1 else f"ranks {others[0].rank} to {others[-1].rank}"
+        axes.plot(line[:, 0], line[:, 1], color=GREY, lw=1.0, zorder=3, label=None if k else f"next best, {ranks}")
+    if item.grasps:
+        draw_hand(axes, item.grasps[0], view, plan.gripper)
+    elif not item.refused:
+        _draw_missed(axes, item, view)
+    if item.refused and plan.robot is not None:
+        draw_refused(axes, item.refused[0], view, plan.gripper, f"best grasp that {plan.robot.name} does not reach")
+
+
+def _draw_missed(axes: Axes, item: ObjectPlan, view: View) -> None:
+    """The last pairs of contacts that were left before there was no grasp."""
+    outline, fingers = item.trace.silhouette, item.trace.fingers
+    left = [(stage, pairs) for stage, pairs in item.trace.survivors.items() if len(pairs)]
+    if outline is None or fingers is None or not left:
+        return
+    _, pairs = left[-1]
+    stage = item.rejection.stage.replace("_", " ") if item.rejection else "the next stage"
+    contacts = [view.of_plane(outline.frame, fingers.contact[pairs[:MAX_MISSED, side]]) for side in (0, 1)]
+    lines = draw_segments(axes, *contacts, colors=BLUE, linewidths=0.6, zorder=3)
+    lines.set_label(f"the last pairs, refused by: {stage}")

@@ -1,0 +1,106 @@
+"""Words in a drawing, where they hide nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.results.figures.style import GREY
+
+DIRECTIONS = np.column_stack([f(2 * np.pi * np.arange(16) / 16) for f in (np.cos, np.sin)])
+DISTANCES_PX = (4.0, 12.0, 24.0, 40.0, 64.0)
+FAR_PX = 10.0
+"""A label farther from its thing than this has a line to it."""
+LEADER_POINTS = 24
+PADDING_PX = 4.0
+"""Room that a label needs around its letters."""
+OVER_LABEL, OUTSIDE = 1e3, 1e6
+"""Costs, where covering a drawn point costs 1, and a pixel of distance as much as `PER_PX`."""
+PER_PX = 0.1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Label:
+    """A `text` for a thing that is drawn at points (n, 2)."""
+
+    text: str
+    thing: FloatArray
+    style: dict[str, Any] = field(default_factory=dict)
+
+
+def put(axes: Axes, labels: Sequence[Label], drawn: FloatArray) -> None:
+    """Write each label beside its thing, where it covers the least of the points `drawn` (m, 2), and no other label.
+
+    The axes' limits must be those of the finished drawing.
+    """
+    area = axes.get_window_extent().get_points()
+    busy = axes.transData.transform(drawn)
+    taken: list[FloatArray] = []
+    for label in labels:
+        thing = axes.transData.transform(label.thing)
+        style: dict[str, Any] = {"ha": "center", "va": "center", "zorder": 10} | label.style
+        text = axes.text(0.0, 0.0, label.text, **style)
+        half = 0.5 * np.array(text.get_window_extent().size) + PADDING_PX
+        spots, distances = _spots(thing, half)
+        leaders = [
+            _leader(thing, spot) if away > FAR_PX else spot[None] for spot, away in zip(spots, distances, strict=True)
+        ]
+        costs = [
+            _cost(spot, half, busy, area) + OVER_LABEL * _covered(taken, spot, half, leader) + PER_PX * away
+            for spot, away, leader in zip(spots, distances, leaders, strict=True)
+        ]
+        best = int(np.argmin(costs))
+        spot, leader = spots[best], leaders[best]
+        taken.append(np.stack([spot - half, spot + half]))
+        to_data = axes.transData.inverted().transform
+        text.set_position(tuple(to_data(spot)))
+        if len(leader) > 1:
+            busy = np.vstack([busy, leader])
+            axes.plot(*to_data(leader).T, color=GREY, lw=0.7, zorder=9)
+
+
+def _leader(thing: FloatArray, spot: FloatArray) -> FloatArray:
+    """Points (k, 2) along the line from a label's place to its thing."""
+    nearest = thing[np.argmin(np.linalg.norm(thing - spot, axis=1))]
+    return np.linspace(spot, nearest, LEADER_POINTS)
+
+
+def _spots(thing: FloatArray, half: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Places (k, 2) around a thing for the middle of a label of half a size (2,), and how far off they are (k,)."""
+    middle = 0.5 * (thing.min(axis=0) + thing.max(axis=0))
+    reach = ((thing - middle) @ DIRECTIONS.T).max(axis=0) + np.abs(DIRECTIONS) @ half
+    distances = np.repeat(DISTANCES_PX, len(DIRECTIONS))
+    spots = np.concatenate([middle + (reach + away)[:, None] * DIRECTIONS for away in DISTANCES_PX])
+    return spots, distances
+
+
+def _cost(spot: FloatArray, half: FloatArray, busy: FloatArray, area: FloatArray) -> float:
+    """What a label at a spot costs for what it covers, and for leaving the drawing."""
+    low, high = spot - half, spot + half
+    outside = bool((low < area[0]).any() or (high > area[1]).any())
+    return int(((busy > low) & (busy < high)).all(axis=1).sum()) + OUTSIDE * outside
+
+
+def _covered(taken: list[FloatArray], spot: FloatArray, half: FloatArray, leader: FloatArray) -> int:
+    """How many labels, boxes (2, 2), one at a spot or its leader (k, 2) would cover."""
+    low, high = spot - half, spot + half
+    over = [(low < box[1]).all() and (high > box[0]).all() for box in taken]
+    crossed = [((leader > box[0]) & (leader < box[1])).all(axis=1).any() for box in taken]
+    return sum(bool(a or b) for a, b in zip(over, crossed, strict=True))
+
+
+def free_corner(axes: Axes, drawn: FloatArray, size_px: float) -> tuple[int, int]:
+    """The corner, (0 or 1, 0 or 1) from the lower left, in which a square covers the least of the points `drawn`."""
+    low, high = axes.get_window_extent().get_points()
+    busy = axes.transData.transform(drawn)
+
+    def covered(corner: tuple[int, int]) -> int:
+        at = np.where(corner, high - size_px, low)
+        return int(((busy > at) & (busy < at + size_px)).all(axis=1).sum())
+
+    return min(((0, 0), (1, 0), (0, 1), (1, 1)), key=covered)

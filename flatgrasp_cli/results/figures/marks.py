@@ -1,0 +1,133 @@
+"""What tells where a drawing is: the frame's axes, the sensor, the robot's base."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
+
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.model import Sensor
+from flatgrasp_cli.planning import Plan
+from flatgrasp_cli.results.figures.labels import Label, free_corner
+from flatgrasp_cli.results.figures.style import BLACK, MM, SKY
+from flatgrasp_cli.results.view import NAMES, View
+
+TRIAD_PX = 96.0
+BEHIND = 2.4
+"""The order of what hides the cloud and the outline, but not the panel's rim."""
+ARROW_PX = 42.0
+"""Length of an axis that lies in the drawing."""
+FORESHORTENED = 0.25
+"""An axis that is drawn shorter than this share of its length is drawn as a sign: it comes out, or goes in."""
+INSET, ARROW_SHARE, APART_SHARE = 0.03, 0.08, 0.08
+"""Of a panel: how far from its edge, and how long, an arrow to something outside is, and how far apart two are."""
+HALO = {"boxstyle": "round,pad=0.1", "fc": "white", "ec": "none", "alpha": 0.8}
+IN_WORDS = {
+    "option": "as stated",
+    "projection": "found by the image's geometry",
+    "viewpoint": "the viewpoint that was stated",
+    "inverse_viewpoint": "the inverse of the viewpoint that was stated",
+    "frame": "the frame is its own",
+    "transforms": "by the recording's transforms",
+    "visibility": "found by what it can have seen",
+    "up": "only the way up is known",
+    "assumed": "assumed: nothing says where it was",
+    "all_sides": "seen from all sides",
+}
+
+
+def draw_triad(axes: Axes, view: View, frame_id: str, drawn: FloatArray) -> None:
+    """The frame's axes in a corner that is free."""
+    corner = np.array(free_corner(axes, drawn, TRIAD_PX))
+    size = np.array(axes.get_window_extent().size)
+    flat = view.frame.axes[:2].T  # a row for each axis of the frame
+    signs = np.linalg.norm(flat, axis=1) < FORESHORTENED
+    ends = np.where(signs[:, None], 0.0, ARROW_PX * flat)
+    extent = np.vstack([ends, np.zeros(2)])
+    room = 0.5 * TRIAD_PX - 0.5 * (extent.min(axis=0) + extent.max(axis=0))
+    at = np.where(corner, size - TRIAD_PX, 0.0)
+    origin = at + room
+    low, share = at / size, TRIAD_PX / size
+    axes.add_patch(
+        Rectangle(tuple(low), *share, transform=axes.transAxes, fc="white", ec="none", alpha=0.8, zorder=BEHIND)
+    )
+    style: dict[str, Any] = {
+        "xycoords": "axes pixels",
+        "textcoords": "axes pixels",
+        "zorder": 11,
+        "annotation_clip": False,
+    }
+    for k, name in enumerate(NAMES):
+        if signs[k]:
+            sign = "⊙" if view.frame.axes[2, k] > 0 else "⊗"
+            aside = -14 * np.sign(ends.sum(axis=0) + 1e-9)
+            axes.annotate(sign, origin, origin, ha="center", va="center", fontsize=14, **style)
+            axes.annotate(name, origin, origin + aside, ha="center", va="center", fontsize=9, **style)
+            continue
+        tip = origin + ends[k]
+        axes.annotate(
+            "", tip, origin, arrowprops={"arrowstyle": "-|>", "color": BLACK, "lw": 1.2, "shrinkA": 0}, **style
+        )
+        beyond = tip + 9 * ends[k] / np.linalg.norm(ends[k])
+        axes.annotate(name, tip, beyond, ha="center", va="center", fontsize=9, **style)
+    label = f"x, y, z: axes of the frame {frame_id!r}"
+    axes.add_line(Line2D([], [], color=BLACK, marker=">", ms=5, lw=1.2, label=label))
+
+
+def draw_places(axes: Axes, view: View, plan: Plan) -> list[Label]:
+    """Where the sensor was and the robot's base is, if that is known and can be drawn; with their labels."""
+    places = []
+    if plan.robot is not None:
+        base = view.of_world(np.zeros((1, 3)))[0]
+        places.append((base, f"base of {plan.robot.name}", "robot's base, and the way to the scene", BLACK))
+    sensor = plan.cloud.sensor
+    if sensor is not None and sensor.position is not None:
+        name = "camera (assumed)" if sensor.known_from == "assumed" else "camera"
+        places.append((view.of_world(sensor.position[None])[0], name, "camera, and the way it looks", SKY))
+    labels: list[Label] = []
+    for place, name, meaning, color in places:
+        beside = [label.thing[0] for label in labels]
+        labels.append(draw_place(axes, place, name, color=color, beside=beside))
+        axes.add_line(Line2D([], [], color=color, marker="s", ms=6, lw=2.0, label=meaning))
+    return labels
+
+
+def draw_place(axes: Axes, place: FloatArray, name: str, *, color: str, beside: Sequence[FloatArray] = ()) -> Label:
+    """A place (2,), with an arrow to the drawing's middle; of one outside the arrow comes from that edge.
+
+    There it is moved along the edge where it would cover one of the marks `beside`, places (2,).
+    """
+    low, high = np.column_stack([axes.get_xlim(), axes.get_ylim()])
+    middle, half, size = 0.5 * (low + high), (0.5 - INSET) * (high - low), float((high - low).max())
+    away = place - middle
+    share = np.abs(away / half)
+    start = place if share.max() <= 1 else middle + away / share.max()
+    along = np.eye(2)[int(np.argmin(share))]
+    while share.max() > 1 and any(np.linalg.norm(start - other) < APART_SHARE * size for other in beside):
+        start = start + APART_SHARE * size * along
+    way = middle - start
+    end = start + way * min(1.0, ARROW_SHARE * size / max(float(np.linalg.norm(way)), 1e-9))
+    arrow = {"arrowstyle": "-|>", "color": color, "lw": 2.0, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", tuple(end), tuple(start), arrowprops=arrow, zorder=8)
+    axes.plot(*start, "s", color=color, ms=7, zorder=8)
+    return Label(name, np.linspace(start, end, 8), {"fontsize": 9, "color": color, "bbox": HALO})
+
+
+def sensor_in_words(plan: Plan, place: FloatArray, normal: FloatArray) -> str:
+    """Where the sensor was, seen from a `place` (3,) in a plane with a `normal` (3,), and how that is known."""
+    sensor = plan.cloud.sensor or Sensor("assumed")
+    known = IN_WORDS[sensor.known_from]
+    if sensor.position is None:
+        return (
+            known if sensor.sees_all_sides else f"its place is not known, and it is taken to have looked down ({known})"
+        )
+    away = sensor.toward(place)
+    distance = float(np.linalg.norm(away))
+    sine = float(away @ normal) / max(distance, 1e-9)
+    steep = float(np.degrees(np.arcsin(np.clip(sine, -1.0, 1.0))))
+    return f"{MM * distance:.0f} mm away, {steep:.0f}° above the drawing's plane ({known})"
