@@ -42,8 +42,9 @@ def command(sources: tuple[str, ...], job: Job, out: Path | None, as_json: bool,
     Clouds are PCD or PLY; meshes PLY, STL, OBJ, OFF or glTF, sampled; depth images PNG, TIFF or .npy with --intrinsics,
     alone or a folder of them; recordings MCAP files, ROS 1 bags, or ROS 2 bags, folder or file. Writes STEM.grasps.json
     and STEM.grasps.png for each cloud, STEM.STAMP.grasps.* for each frame of a recording, STEM.IMAGE.grasps.* for each
-    image of a folder, and prints the best grasps. Exit code 0: a grasp for every cloud; 1: some cloud has none, the
-    document says why; 2: some file could not be written or picture drawn; 3: some source could not be read.
+    image of a folder, STEM.arm.png with --robot, and prints the best grasps. Exit code 0: a grasp for every cloud; 1:
+    some cloud has none, the document says why; 2: some file could not be written or picture drawn; 3: some source could
+    not be read.
     """
     names, reading = Names(), Sources(len(sources))
     with FrameProgress(len(sources)) as progress:
