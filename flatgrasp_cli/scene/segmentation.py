@@ -40,16 +40,17 @@ def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
     reason = _too_large(cloud.points)
     if reason is not None:
         return Scene(None, (), cloud.points, reason)
-    alone = Scene(None, (_alone(cloud.points, sensor, settings.up),), np.empty((0, 3)))
     if settings.mode == "object" or len(cloud.points) < 3:
-        return alone
+        return _alone(cloud.points, sensor, settings.up)
     plane = find_support_plane(cloud.points, sensor, settings, seed)
     clusters = find_clusters(cloud.points, plane, settings) if plane is not None else None
     if plane is None or clusters is None:
-        return alone if settings.mode == "auto" else Scene(None, (), cloud.points, NO_PLANE)
+        if settings.mode == "auto":
+            return _alone(cloud.points, sensor, settings.up)
+        return Scene(None, (), cloud.points, NO_PLANE)
     small = clusters.extent_m <= settings.max_size_m
     if settings.mode == "auto" and small and (not clusters.lie_on_table or _goes_on_below(cloud.points, plane)):
-        return alone
+        return _alone(cloud.points, sensor, settings.up)
     objects = _objects(cloud, sensor, plane, clusters)
     reason = None if objects else NOTHING_STANDS
     return Scene(plane, selected(objects, settings.select, sensor), cloud.points[clusters.clutter], reason)
@@ -76,15 +77,13 @@ def _goes_on_below(points: FloatArray, plane: SupportPlane) -> bool:
     return bool(below.sum() > BELOW_SHARE * on.sum())
 
 
-def _alone(points: FloatArray, sensor: Sensor, up: tuple[float, float, float] | None) -> ObjectCloud:
+def _alone(points: FloatArray, sensor: Sensor, up: tuple[float, float, float] | None) -> Scene:
     """All points as one object, which the hand comes to from above if `up` (3,) tells that, else from the sensor."""
-    if len(points) == 0:
-        return ObjectCloud(0, points, np.zeros(3), sensor.position)
-    toward = sensor.toward(points.mean(axis=0))
+    toward = sensor.toward(points.mean(axis=0)) if len(points) else np.zeros(3)
     if up is not None:
         length = max(float(np.linalg.norm(toward)), 1e-12)
         toward = np.asarray(up) / np.linalg.norm(up) + UPRIGHT_SHARE * toward / length
-    return ObjectCloud(0, points, toward, sensor.position)
+    return Scene(None, (ObjectCloud(0, points, toward, sensor.position),), np.empty((0, 3)))
 
 
 def _objects(cloud: Cloud, sensor: Sensor, plane: SupportPlane, clusters: Clusters) -> tuple[ObjectCloud, ...]:

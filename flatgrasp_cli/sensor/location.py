@@ -47,8 +47,8 @@ def located(cloud: Cloud, up: tuple[float, float, float] | None, seed: int) -> C
         sensor = Sensor("assumed", np.zeros(3)) if cloud.viewpoint is None else Sensor("viewpoint", cloud.viewpoint)
     elif sensor is None:
         invalid = _rows_at(cloud.points, np.zeros(3))  # if a camera at the origin it is
-        few = len(cloud.points) - len(invalid) < LEAST_POINTS
-        points = cloud.points if few else np.delete(cloud.points, invalid, axis=0)
+        some = 0 < len(invalid) <= len(cloud.points) - LEAST_POINTS
+        points = np.delete(cloud.points, invalid, axis=0) if some else cloud.points
         sensor, warnings = _found(cloud, upward, Surface.of(points, rng))
     settled = {SENSOR_FROM_TF: sensor.known_from != "transforms", UP_UNTOLD: up is not None}
     kept = [item for item in cloud.warnings if not settled.get(item.code, False)]

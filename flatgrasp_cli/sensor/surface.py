@@ -143,7 +143,9 @@ def _fills_hull(frame: Frame, flat: FloatArray) -> bool:
     places = frame.to_local(flat)[:, :2]
     area = _hull(places).area
     cell = np.sqrt(FILL_POINTS * area / len(places))
-    return bool(len(np.unique(np.floor(places / cell), axis=0)) * cell**2 >= LEAST_FILLED * area)
+    row, column = ((places - places.min(axis=0)) / cell).astype(np.intp).T
+    filled = len(np.unique(row * (int(column.max()) + 1) + column))
+    return bool(filled * cell**2 >= LEAST_FILLED * area)
 
 
 def _surrounded(frame: Frame, flat: FloatArray, standing: FloatArray) -> bool:
