@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
-from flatgrasp_cli.geometry.frames import Frame, frame_on_plane
+from flatgrasp_cli.geometry.frames import frame_on_plane
 from flatgrasp_cli.geometry.planes import consensus_plane
 from flatgrasp_cli.geometry.range_image import RangeImage
 from flatgrasp_cli.geometry.sampling import spread_indices
@@ -54,7 +54,7 @@ LEAST_DISTANCE_M = 0.1
 NEIGHBOURS = 9
 KD_TREE = 4
 """FLANN's name for an exact search in one tree."""
-LEAST_FLAT = 0.3
+MOST_THICK = 0.3
 """Thickness of a neighbourhood over its width, at most, for its points to lie on a surface: single objects that a depth
 camera saw have 0.12 to 0.27, points that fill a slab 0.65."""
 LEAST_FACING = 0.9
@@ -126,34 +126,33 @@ def _standing_plane(points: FloatArray, rng: np.random.Generator) -> tuple[Float
     least = max(STANDING_SIGMAS * float(heights[flat].std()), STANDING_M[0])
     off = np.flatnonzero((np.abs(heights) > least) & (np.abs(heights) < STANDING_M[1]))
     frame = frame_on_plane(normal, offset)
-    off = off[_well_within(frame, points[off], points[flat])]
+    sheet = frame.to_local(points[flat])[:, :2]
+    hull = _hull(sheet)
+    off = off[_well_within(frame.to_local(points[off])[:, :2], hull)]
     above = int(np.count_nonzero(heights[off] > 0))
     most = max(above, len(off) - above)
-    large = bool(2 * np.sqrt(_hull(frame.to_local(points[flat])[:, :2]).area / np.pi) >= TABLE_M)
+    large = bool(2 * np.sqrt(hull.area / np.pi) >= TABLE_M)
     least = max(LEAST_STANDING[large], LEAST_STANDING_SHARE * len(points))
     if not least <= most <= MOST_STANDING * np.count_nonzero(flat) or most < ONE_SIDED * len(off):
         return None
-    if not (large and _fills_hull(frame, points[flat])) and not _surrounded(frame, points[flat], points[off]):
+    if not (large and _filled(sheet, hull.area)) and not _surrounded(sheet, frame.to_local(points[off])[:, :2]):
         return None
     return (normal, offset) if 2 * above > len(off) else (-normal, -offset)
 
 
-def _fills_hull(frame: Frame, flat: FloatArray) -> bool:
-    """Whether the plane's own points `flat` (n, 3) fill their convex hull, as a table's do."""
-    places = frame.to_local(flat)[:, :2]
-    area = _hull(places).area
-    cell = np.sqrt(FILL_POINTS * area / len(places))
-    row, column = ((places - places.min(axis=0)) / cell).astype(np.intp).T
+def _filled(sheet: FloatArray, area: float) -> bool:
+    """Whether places (n, 2) of a plane's own points fill their convex hull, of that area, as a table's do."""
+    cell = np.sqrt(FILL_POINTS * area / len(sheet))
+    row, column = ((sheet - sheet.min(axis=0)) / cell).astype(np.intp).T
     filled = len(np.unique(row * (int(column.max()) + 1) + column))
     return bool(filled * cell**2 >= LEAST_FILLED * area)
 
 
-def _surrounded(frame: Frame, flat: FloatArray, standing: FloatArray) -> bool:
-    """Whether the plane's own points `flat` (n, 3) lie around those that are `standing` (k, 3), on nearly all sides."""
-    places = frame.to_local(flat)[:, :2]
-    middle = frame.to_local(standing).mean(axis=0)[:2]
-    away, apart = (np.hypot(*(frame.to_local(points)[:, :2] - middle).T) for points in (flat, standing))
-    x, y = (places[away > max(AROUND * float(np.median(apart)), AROUND_M)] - middle).T
+def _surrounded(sheet: FloatArray, standing: FloatArray) -> bool:
+    """Whether places (n, 2) of a plane's own points lie around those `standing` (k, 2) on it, on nearly all sides."""
+    middle = standing.mean(axis=0)
+    away, apart = (np.hypot(*(places - middle).T) for places in (sheet, standing))
+    x, y = (sheet[away > max(AROUND * float(np.median(apart)), AROUND_M)] - middle).T
     return len(np.unique(np.floor(np.arctan2(y, x) * SECTORS / (2 * np.pi)) % SECTORS)) >= LEAST_SECTORS
 
 
@@ -164,14 +163,12 @@ def _hull(places: FloatArray) -> Any:
     return shapely.LineString(places).convex_hull
 
 
-def _well_within(frame: Frame, points: FloatArray, flat: FloatArray) -> BoolArray:
-    """Which of `points` (n, 3) lie over the plane's own points `flat`, away from their edge."""
+def _well_within(places: FloatArray, hull: Any) -> BoolArray:
+    """Which `places` (n, 2) lie over a plane, away from the edge of its points' convex hull."""
     import shapely
 
-    hull = _hull(frame.to_local(flat)[:, :2])
     margin = EDGE_SHARE * 2 * np.sqrt(hull.area / np.pi)
-    u, v, _ = frame.to_local(points).T
-    return np.asarray(shapely.contains_xy(hull.buffer(-margin), u, v))
+    return np.asarray(shapely.contains_xy(hull.buffer(-margin), *places.T))
 
 
 def _bulging_normals(points: FloatArray) -> tuple[FloatArray, float] | None:
@@ -186,7 +183,7 @@ def _bulging_normals(points: FloatArray) -> tuple[FloatArray, float] | None:
     local = points[neighbours] - points[neighbours].mean(axis=1, keepdims=True)
     spread, axes = np.linalg.eigh(np.einsum("nki,nkj->nij", local, local))
     flatness = np.sqrt(np.maximum(spread[:, 0], 0.0) / np.maximum(spread[:, 1], 1e-30))
-    if np.median(flatness) > LEAST_FLAT:
+    if np.median(flatness) > MOST_THICK:
         return None
     normals = axes[:, :, 0]
     here, there = np.repeat(np.arange(len(points)), NEIGHBOURS - 1), neighbours[:, 1:].ravel().astype(np.intp)
