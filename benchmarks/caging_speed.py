@@ -18,9 +18,9 @@ from clocks import milliseconds
 from flatgrasp_cli import load_gripper
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import Cage
-from flatgrasp_cli.planner.caging import Hands, immobilising_grasps, prove
 from flatgrasp_cli.profiles import Gripper, load_settings
 from flatgrasp_cli.profiles.settings import CagingSettings
+from flatgrasp_cli.proof.caging import Hands, immobilising_grasps, prove
 
 GRASPS, PRESHAPE_M = 10, 0.01
 SETTINGS = load_settings().caging.model_copy(update={"tolerance_m": 0.0, "max_vertices": 300})

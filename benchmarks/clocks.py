@@ -19,7 +19,7 @@ def milliseconds(function: Callable[[], object]) -> float:
 class StageClock:
     """Times calls by wrapping them, in `ms` by stage; scene and planner carry no clocks themselves."""
 
-    def __init__(self, stages: Mapping[str, Iterable[tuple[ModuleType, str]]]) -> None:
+    def __init__(self, stages: Mapping[str, Iterable[tuple[ModuleType | type, str]]]) -> None:
         self.ms: dict[str, float] = defaultdict(float)
         for stage, calls in stages.items():
             for module, name in calls:

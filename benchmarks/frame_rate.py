@@ -29,8 +29,10 @@ from clocks import StageClock, milliseconds
 from flatgrasp_cli import Plan, load_gripper, load_settings, plan, read_clouds
 from flatgrasp_cli.open3d_door import load_open3d
 from flatgrasp_cli.planner import pipeline
+from flatgrasp_cli.planning import lifting, objects
 from flatgrasp_cli.profiles import Gripper, PlannerSettings
 from flatgrasp_cli.scene import segmentation
+from flatgrasp_cli.surroundings import OnSupport
 
 ROOT = Path(__file__).resolve().parent.parent
 PIXELS = 640 * 480
@@ -41,14 +43,13 @@ STAGES = {
     "read": (),
     "support plane": ((segmentation, "find_support_plane"),),
     "objects": ((segmentation, "find_clusters"), (segmentation, "_objects")),
-    "terrain": ((pipeline, "sliced"), (pipeline, "standing")),
-    "silhouette": ((pipeline, "silhouette"),),
+    "surroundings": ((objects, "places"), (objects, "from_the_side")),
+    "silhouette": ((objects, "silhouette"),),
     "finger candidates": (
         (pipeline, "step_points"),
         (pipeline, "finger_candidates"),
         (pipeline, "inward_directions"),
-        (pipeline, "upright"),
-        (pipeline, "seen_sides"),
+        (OnSupport, "sides"),
     ),
     "pairs": (
         (pipeline, "force_balance"),
@@ -56,13 +57,13 @@ STAGES = {
         (pipeline, "torque_balanced"),
         (pipeline, "closing_axes"),
         (pipeline, "on_pads"),
-        (pipeline, "of_known_thickness"),
+        (OnSupport, "of_known_thickness"),
         (pipeline, "in_range"),
         (pipeline, "flat"),
     ),
-    "operability, depth": ((pipeline, "operable"), (pipeline, "land")),
-    "ranking": ((pipeline, "ranking_cost"), (pipeline, "best_first"), (pipeline, "_grasps")),
-    "certificates": ((pipeline, "certified"),),
+    "operability, depth": ((pipeline, "operable"), (OnSupport, "approached")),
+    "ranking": ((pipeline, "grasp_cost"), (pipeline, "best_first"), (lifting, "_lifted")),
+    "certificates": ((objects, "certified"),),
 }
 
 

@@ -14,6 +14,7 @@ from collections import defaultdict
 from functools import partial
 from pathlib import Path
 from statistics import median
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -23,19 +24,24 @@ from flatgrasp_cli import load_gripper, load_settings, plan, read_clouds
 from flatgrasp_cli.model import Cloud, Source
 from flatgrasp_cli.open3d_door import load_open3d
 from flatgrasp_cli.planner import pipeline
+from flatgrasp_cli.planning import objects
+from flatgrasp_cli.surroundings import Alone, OnSupport
 
 ROOT = Path(__file__).resolve().parent.parent
-SECTIONS = {
-    "A.1": ("oriented_box",),
-    "A.2": ("silhouette",),
-    "A.3": ("step_points", "finger_candidates", "inward_directions"),
-    "B.1": ("force_balance", "force_balanced"),
-    "B.2": ("torque_balanced",),
-    "B.3": ("closing_axes", "on_pads", "in_range"),
-    "B.4": ("flat",),
-    "3-D": ("seen_sides", "of_known_thickness", "sliced", "land"),
-    "B.5": ("operable", "clear_of_palm"),
-    "C": ("ranking_cost", "best_first"),
+SECTIONS: dict[str, list[tuple[ModuleType | type, str]]] = {
+    "A.1": [(objects, "oriented_box")],
+    "A.2": [(objects, "silhouette")],
+    "A.3": [(pipeline, "step_points"), (pipeline, "finger_candidates"), (pipeline, "inward_directions")],
+    "B.1": [(pipeline, "force_balance"), (pipeline, "force_balanced")],
+    "B.2": [(pipeline, "torque_balanced")],
+    "B.3": [(pipeline, "closing_axes"), (pipeline, "on_pads"), (pipeline, "in_range")],
+    "B.4": [(pipeline, "flat")],
+    "B.5": [(pipeline, "operable")],
+    "3-D": [
+        (objects, "places"),
+        *((of, name) for of in (Alone, OnSupport) for name in ("sides", "of_known_thickness", "approached")),
+    ],
+    "C": [(pipeline, "grasp_cost"), (pipeline, "best_first")],
 }
 """The calls of each section of the method."""
 FRAME_POINTS, OBJECT_POINTS = 300_000, 10_000
@@ -99,7 +105,7 @@ def main() -> None:
     shared = ROOT.parent / "shared" / "data" / "clouds"
     files = args.files or [*sorted((ROOT / "sample_data").glob("*.pcd")), *sorted(shared.glob("*.pcd"))]
     time_against_frame(args.gripper, args.repeat)
-    clock = StageClock({section: [(pipeline, name) for name in names] for section, names in SECTIONS.items()})
+    clock = StageClock(SECTIONS)
     heads = " ".join(f"{section:>6}" for section in SECTIONS)
     print(f"{'milliseconds (median)':38} {'points':>7} {'Open3D':>7} {'plan':>7} {'ratio':>6}  {heads}")
     for path in files:

@@ -16,16 +16,16 @@ from scipy.sparse.csgraph import connected_components
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.polygon import left_normal
 from flatgrasp_cli.model import Cage
-from flatgrasp_cli.planner.caging import Hands, contact_space, immobilising_grasps, merge_tree, prove
-from flatgrasp_cli.planner.caging.boundary import Boundary
-from flatgrasp_cli.planner.caging.contact_space import Caging, squeezing
-from flatgrasp_cli.planner.caging.hands import pad_points, sweeps
-from flatgrasp_cli.planner.caging.limits import Limits, limits
-from flatgrasp_cli.planner.caging.merge_tree import ESCAPE, merge_levels
-from flatgrasp_cli.planner.caging.outline import prepare
-from flatgrasp_cli.planner.caging.stretching import stretching
 from flatgrasp_cli.profiles import Gripper
 from flatgrasp_cli.profiles.settings import CagingSettings
+from flatgrasp_cli.proof.caging import Hands, contact_space, immobilising_grasps, merge_tree, prove
+from flatgrasp_cli.proof.caging.boundary import Boundary
+from flatgrasp_cli.proof.caging.contact_space import Caging, squeezing
+from flatgrasp_cli.proof.caging.hands import pad_points, sweeps
+from flatgrasp_cli.proof.caging.limits import Limits, limits
+from flatgrasp_cli.proof.caging.merge_tree import ESCAPE, merge_levels
+from flatgrasp_cli.proof.caging.outline import prepare
+from flatgrasp_cli.proof.caging.stretching import stretching
 from tests.caging_shapes import (
     ARCH,
     SLOT,

@@ -12,10 +12,10 @@ import shapely
 
 from flatgrasp_cli import load_settings, plan, read_clouds
 from flatgrasp_cli.errors import SourceError
-from flatgrasp_cli.model import Cloud, Grasp, ObjectPlan
-from flatgrasp_cli.planner import pipeline
-from flatgrasp_cli.planner.certification import certified, is_caged
+from flatgrasp_cli.model import Cloud, Grasp
+from flatgrasp_cli.planning import objects
 from flatgrasp_cli.profiles import Gripper
+from flatgrasp_cli.proof import certified, forgiven_m, is_caged
 from flatgrasp_cli.results.figures.cage import way_out
 from flatgrasp_cli.sources.polygon import read_polygon
 from tests.conftest import MM, SAMPLES, Run, cloud_of, rectangle, sampled
@@ -78,17 +78,17 @@ def test_a_convex_outline_cages_nothing_and_says_so(pr2: Gripper) -> None:
 def test_preferred_cages_come_first(pr2: Gripper) -> None:
     (drill,) = read_clouds(SAMPLES / "electric_drill.pcd")
     by_cost, by_cage = best(drill, pr2), best(drill, pr2, "caging.prefer=cage")
-    assert is_caged(by_cage)
+    assert is_caged(by_cage.cage)
     assert by_cage.cage is not None
     assert by_cage.cage.tolerance is not None
-    if is_caged(by_cost):
+    if is_caged(by_cost.cage):
         assert by_cost.cage is not None
         assert by_cost.cage.tolerance is not None
         assert by_cage.cage.tolerance.position_m >= by_cost.cage.tolerance.position_m
     required = plan(drill, pr2, load_settings("default", ("caging.require=true",)))
     assert required.objects[0].grasps
     for grasp in required.objects[0].grasps:
-        assert is_caged(grasp)
+        assert is_caged(grasp.cage)
         assert grasp.cage is not None
         assert grasp.opening_m <= (grasp.cage.basin_opening_max_m or np.inf)  # nothing can go wrong from there on
 
@@ -99,10 +99,10 @@ def test_a_hand_comes_with_room_and_into_the_basin(name: str, pr2: Gripper) -> N
     (cloud,) = read_clouds(SAMPLES / f"{name}.pcd")
     clearance = load_settings().hand.clearance_m
     grasps = [grasp for item in plan(cloud, pr2, top=60).objects for grasp in item.grasps]
-    assert any(is_caged(grasp) for grasp in grasps)
+    assert any(is_caged(grasp.cage) for grasp in grasps)
     for grasp in grasps:
         assert grasp.opening_m >= grasp.width_m + 2 * clearance - 1e-9
-        if is_caged(grasp) and grasp.cage is not None and grasp.cage.basin_opening_max_m is not None:
+        if is_caged(grasp.cage) and grasp.cage is not None and grasp.cage.basin_opening_max_m is not None:
             assert grasp.opening_m < grasp.cage.basin_opening_max_m
 
 
@@ -241,23 +241,24 @@ def test_points_without_an_outline(run: Run, tmp_path: Path) -> None:
 def test_the_best_of_all_slices_wins(options: tuple[str, ...], pr2: Gripper, monkeypatch: pytest.MonkeyPatch) -> None:
     """Neither what cages forgive nor the point fingers' cost grows with height: no slice may be left out."""
     (cloud,) = read_clouds(SAMPLES / "pan_on_table.pcd")
-    seen: list[ObjectPlan] = []
-    real = pipeline._plan_part
+    seen: list[objects.Answer] = []
+    real = objects._answer
 
-    def watched(*args: Any) -> ObjectPlan:
+    def watched(*args: Any) -> objects.Answer:
         seen.append(real(*args))
         return seen[-1]
 
-    monkeypatch.setattr(pipeline, "_plan_part", watched)
+    monkeypatch.setattr(objects, "_answer", watched)
     winner = best(cloud, pr2, *options)
-    slices = [each for each in seen if each.grasps]
-    assert len(slices) > 1
+    costs = [each.grasps.cost[0] for each in seen if each.grasps is not None]
+    assert len(costs) > 1
     if options == ("method=allen",):
-        assert winner.cost_m == min(each.grasps[0].cost_m for each in slices)
-    else:
-        assert winner.cage is not None
-        assert winner.cage.tolerance is not None
-        settings = load_settings("default", options).resolve(pr2)
-        each_best = [certified(each, pr2, settings, 1).grasps[0] for each in slices]
-        forgiven = [grasp.cage.tolerance.position_m for grasp in each_best if grasp.cage and grasp.cage.tolerance]
-        assert winner.cage.tolerance.position_m == pytest.approx(max(forgiven))
+        assert winner.cost_m == min(costs)
+        return
+    settings = load_settings("default", options).resolve(pr2)
+    forgiven = []
+    for each in seen:
+        if each.grasps is not None and each.shape is not None:
+            _, proved = certified(each.grasps, each.shape.silhouette, pr2, settings)
+            forgiven += [forgiven_m(cage) for cage in proved.cages if is_caged(cage)]
+    assert forgiven_m(winner.cage) == pytest.approx(max(forgiven))

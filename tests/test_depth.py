@@ -15,10 +15,10 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 from flatgrasp_cli.model import Cloud, Grasp, ObjectPlan, Source
-from flatgrasp_cli.planner import plan_object
-from flatgrasp_cli.planner.slices import lowest_tip, slices
+from flatgrasp_cli.planning import plan_object
 from flatgrasp_cli.profiles import Gripper
 from flatgrasp_cli.scene import segment
+from flatgrasp_cli.surroundings.slices import lowest_tip, slices
 from tests.conftest import MM, SAMPLES, TABLE, Box, Camera, Solid, Tube
 
 ABOVE = Camera(pixels=(320, 240), focal=420.0)
@@ -234,8 +234,8 @@ class TestDepth:
         plate, knob = (np.abs(x) < 0.06) & (np.abs(y) < 0.06), (np.abs(x - 0.04) < 0.012) & (np.abs(y) < 0.012)
         heights = np.where(knob, 40 * MM, np.where(plate, 10 * MM, 0.0))
         item = planned(relief(heights), pr2, top=1000).objects[0]
-        assert item.trace.level_m is not None
-        assert item.trace.level_m > 10 * MM
+        assert item.level_m is not None
+        assert item.level_m > 10 * MM
         across = [
             grasp.gravity_distance_m
             for grasp in item.grasps
@@ -433,14 +433,14 @@ class TestOnTheObject:
 
     def test_levels_and_heights_are_null_for_an_object_alone(self, pr2: Gripper) -> None:
         answer = self.plan_alone(ABOVE.sees(BLOCK), pr2)
-        assert answer.trace.level_m is None
+        assert answer.level_m is None
         assert {(grasp.tip_height_m, grasp.grip_m, grasp.unseen_m) for grasp in answer.grasps} == {(None, None, None)}
 
     def test_the_level_is_that_of_the_fingertips(self, pr2: Gripper) -> None:
         answer = self.plan_alone(ABOVE.sees(TABLE, BLOCK), pr2)
-        assert answer.trace.level_m == pytest.approx(DEPTH.table_clearance_m)
-        assert answer.trace.box is not None
-        assert answer.trace.box.size == pytest.approx([0.10, 0.04, 0.04], abs=4 * MM)
+        assert answer.level_m == pytest.approx(DEPTH.table_clearance_m)
+        assert answer.box is not None
+        assert answer.box.size == pytest.approx([0.10, 0.04, 0.04], abs=4 * MM)
 
     @settings(max_examples=4)
     @given(st.integers(0, 2**31 - 1))

@@ -10,7 +10,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.planner import balance
-from flatgrasp_cli.planner.force_closure import (
+from flatgrasp_cli.proof.force_closure import (
     Reference,
     contact_wrenches,
     ferrari_canny,
@@ -119,7 +119,7 @@ def test_epsilon_turns_with_the_object(seed: int, angle: float) -> None:
 def test_many_grasps_are_worked_on_in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
     contacts, normals = random_grasps(7)
     whole = point_quality(contacts, normals, 0.5, ORIGIN)
-    monkeypatch.setattr("flatgrasp_cli.planner.force_closure.MOST_ROWS", 3)
+    monkeypatch.setattr("flatgrasp_cli.proof.force_closure.MOST_ROWS", 3)
     assert point_quality(contacts, normals, 0.5, ORIGIN).tolist() == whole.tolist()
 
 

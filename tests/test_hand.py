@@ -12,10 +12,13 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.polygon import left_normal
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates, Silhouette
-from flatgrasp_cli.planner import balance, hand
+from flatgrasp_cli.planner import balance
 from flatgrasp_cli.planner.contacts import pad_contacts
 from flatgrasp_cli.planner.fingers import finger_candidates, inward_directions, step_points
+from flatgrasp_cli.planner.grasping_range import closing_axes, extents
+from flatgrasp_cli.planner.operability import eq2_fit, swept_fit
 from flatgrasp_cli.profiles import Gripper, load_gripper, load_settings
+from flatgrasp_cli.surroundings.alone import openings
 
 TOLERANCE_M = 0.002
 GRIPPERS = ("pr2", "lacquey")
@@ -41,7 +44,7 @@ def pairs_on(outline: Silhouette, gripper: Gripper) -> tuple[FingerCandidates, G
     allowed = balance.distinct(fingers, rows, columns) & balance.facing(fingers, rows, columns) & (gamma < 25)
     row, column = np.nonzero(allowed)
     pairs = balance.weigh(fingers, rows[row], columns[column], gamma[row, column])
-    return fingers, hand.closing_axes(fingers, pairs, "bisector")
+    return fingers, closing_axes(fingers, pairs, "bisector")
 
 
 def finger_box(
@@ -65,12 +68,13 @@ def test_pads_touch_the_boundary_that_comes_nearest_to_them(seed: int, name: str
     gripper = load_gripper(name)
     outline = bumpy(seed)
     fingers, pairs = pairs_on(outline, gripper)
-    fit = hand.swept_fit(outline, fingers, pairs, gripper, TOLERANCE_M)
-    touched = pad_contacts(fingers, pairs, fit, gripper, TOLERANCE_M)
-    middle, across = hand.centers(fingers, pairs, fit), left_normal(pairs.axis)
+    pads, _ = swept_fit(outline, fingers, pairs, gripper, TOLERANCE_M)
+    pairs = pairs.having(pads=pads.T)
+    touched = pad_contacts(fingers, pairs, gripper, TOLERANCE_M)
+    middle, across = pairs.center, left_normal(pairs.axis)
     for k in range(0, len(pairs), max(1, len(pairs) // 10)):
         for side, candidate, out in ((0, pairs.i[k], -pairs.axis[k]), (1, pairs.j[k], pairs.axis[k])):
-            assert (touched[k, side] - middle[k]) @ out == pytest.approx(0.5 * fit.width[k], abs=1e-9)
+            assert (touched[k, side] - middle[k]) @ out == pytest.approx(0.5 * pairs.width[k], abs=1e-9)
             arc = fingers.arcs[candidate] - middle[k]
             aside = arc @ across[k]
             under = np.abs(aside[:, None] - gripper.jaws[side]).min(axis=1) <= 0.5001 * gripper.finger_width_m
@@ -85,17 +89,17 @@ def test_the_room_behind_each_pad_is_free_and_no_larger(seed: int, name: str) ->
     """Shapely finds nothing of the object in the room that swept_fit promises, and something just beyond it."""
     outline, gripper = bumpy(seed), load_gripper(name)
     fingers, pairs = pairs_on(outline, gripper)
-    fit = hand.swept_fit(outline, fingers, pairs, gripper, TOLERANCE_M)
+    pads, rooms = swept_fit(outline, fingers, pairs, gripper, TOLERANCE_M)
     solid = shapely.Polygon(outline.loops[0], [outline.loops[1]])
     for k in np.random.default_rng(seed).permutation(len(pairs))[:12]:
         middle = 0.5 * (fingers.contact[pairs.i[k]] + fingers.contact[pairs.j[k]])
         for side in (0, 1):
-            pad, room = fit.pads[side, k], min(fit.room[side, k], 0.5)
+            pad, room = pads[side, k], min(rooms[side, k], 0.5)
             if room < 1e-6:
                 continue
             free = finger_box(gripper, side, (pad + 1e-6, pad + room - 1e-6), (middle, pairs.axis[k]))
             assert solid.intersection(free).area < 1e-10
-            if np.isfinite(fit.room[side, k]):
+            if np.isfinite(rooms[side, k]):
                 beyond = finger_box(gripper, side, (pad + room, pad + room + 1e-4), (middle, pairs.axis[k]))
                 assert solid.intersects(beyond)
 
@@ -105,7 +109,7 @@ def test_the_room_behind_each_pad_is_free_and_no_larger(seed: int, name: str) ->
 def test_eq2_is_the_papers_inequality(seed: int, name: str) -> None:
     outline, gripper = bumpy(seed), load_gripper(name)
     fingers, pairs = pairs_on(outline, gripper)
-    fit = hand.eq2_fit(outline, fingers, pairs, gripper, 0.0)
+    _, room = eq2_fit(outline, pairs, gripper, 0.0)
     points = np.concatenate(outline.loops)
     for k in np.random.default_rng(seed).permutation(len(pairs))[:12]:
         middle = 0.5 * (fingers.contact[pairs.i[k]] + fingers.contact[pairs.j[k]])
@@ -113,15 +117,17 @@ def test_eq2_is_the_papers_inequality(seed: int, name: str) -> None:
         y = (points - middle) @ pairs.axis[k]
         d, w_h, w_o = pairs.distance[k], gripper.hand_width_m, gripper.max_opening_m
         collides = (np.abs(x) <= 0.5 * w_h) & (((-w_o <= y) & (y <= -0.5 * d)) | ((0.5 * d <= y) & (y <= w_o)))
-        assert bool(collides.any()) == (fit.room[:, k].min() == 0.0)
+        assert bool(collides.any()) == (room[:, k].min() == 0.0)
 
 
 def test_opening_leaves_the_wanted_space_but_not_beyond_room_or_hand(pr2: Gripper) -> None:
     asked = load_settings().hand
-    pads = np.array([[0.020, 0.020, 0.044], [0.020, 0.020, 0.044]])
-    room = np.array([[np.inf, 0.014, np.inf], [np.inf, np.inf, np.inf]])
-    openings = hand.openings(hand.Fit(pads, room), pr2, asked)
-    assert openings == pytest.approx([0.040 + 2 * asked.preshape_m, 0.040 + 2 * (0.014 - 0.009), pr2.max_opening_m])
+    _, pairs = pairs_on(bumpy(0), pr2)
+    pads = np.array([[0.020, 0.020], [0.020, 0.020], [0.044, 0.044]])
+    room = np.array([[np.inf, np.inf], [0.014, np.inf], [np.inf, np.inf]])
+    assert openings(pairs.select(np.arange(3)).having(pads=pads, room=room), pr2, asked) == pytest.approx(
+        [0.040 + 2 * asked.preshape_m, 0.040 + 2 * (0.014 - 0.009), pr2.max_opening_m]
+    )
 
 
 def test_width_is_the_extent_under_the_pads_not_the_distance_of_the_midpoints(pr2: Gripper) -> None:
@@ -133,7 +139,7 @@ def test_width_is_the_extent_under_the_pads_not_the_distance_of_the_midpoints(pr
     straight = pairs.required_friction < 0.01
     assert straight.any()
     assert pairs.distance[straight] == pytest.approx(2 * np.sqrt(0.03**2 - 0.0112**2), abs=1e-4)
-    assert hand.extents(fingers, pairs).sum(axis=0)[straight] == pytest.approx(0.06, abs=2e-4)
+    assert extents(fingers, pairs).sum(axis=0)[straight] == pytest.approx(0.06, abs=2e-4)
 
 
 def test_a_wide_pair_of_fingers_needs_its_own_room(lacquey: Gripper) -> None:
@@ -141,12 +147,12 @@ def test_a_wide_pair_of_fingers_needs_its_own_room(lacquey: Gripper) -> None:
     loop = 1e-3 * np.array([[0.0, 0], [100, 0], [100, 40], [62, 40], [62, 60], [55, 60], [55, 40], [0, 40]])
     outline = Silhouette(Frame(np.zeros(3), np.eye(3)), (loop,), loop, np.zeros(len(loop)), 0.003, 1.0)
     fingers, pairs = pairs_on(outline, lacquey)
-    fit = hand.swept_fit(outline, fingers, pairs, lacquey, TOLERANCE_M)
+    _, room = swept_fit(outline, fingers, pairs, lacquey, TOLERANCE_M)
     middle_x = 0.5 * (fingers.contact[pairs.i] + fingers.contact[pairs.j])[:, 0]
     upward = fingers.direction[pairs.j][:, 1] < -0.999
     beside_wall, clear = upward & (np.abs(middle_x - 0.034) < 0.003), upward & (np.abs(middle_x - 0.027) < 0.002)
     assert beside_wall.any()
     assert clear.any()
-    assert fit.room[1, beside_wall].max() == 0
-    assert fit.room[0, beside_wall].max() == np.inf
-    assert fit.room[1, clear].max() == np.inf
+    assert room[1, beside_wall].max() == 0
+    assert room[0, beside_wall].max() == np.inf
+    assert room[1, clear].max() == np.inf

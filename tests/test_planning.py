@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 
-from flatgrasp_cli import Plan, in_base_frame, load_robot, load_settings, plan, to_document
+from flatgrasp_cli import Plan, funnel, in_base_frame, load_robot, load_settings, plan, read_clouds, to_document
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import axes_from_quaternion, quaternion_from_axes
 from flatgrasp_cli.model import Cloud, Grasp
@@ -22,7 +22,7 @@ from flatgrasp_cli.results.remedies import remedy_of
 from flatgrasp_cli.results.table import ROWS, grasp_table, headline, refusals
 from flatgrasp_cli.robot import forward
 from flatgrasp_cli.robot.reach import LIMITS
-from tests.conftest import MM, TABLE, Box, Camera
+from tests.conftest import MM, SAMPLES, TABLE, Box, Camera
 
 BESIDE = Box((0.45, 0.0, -0.01), (0.9, 0.7, 0.02))
 """A table in front of a robot whose base stands on its height."""
@@ -320,3 +320,28 @@ def test_the_table_lists_every_object_and_why_it_has_no_grasp(pr2: Gripper) -> N
     said, remedy = refusals(result).splitlines()
     assert said == f"object {rejected.object.id}: no grasp: {rejected.rejection.reason}"
     assert remedy == f"  remedy: {remedy_of(result, rejected)}"
+
+
+class Nothing:
+    """Diagnostics that forget whatever they are told."""
+
+    def __setattr__(self, name: str, value: object) -> None:
+        pass
+
+    @property
+    def survivors(self) -> dict[str, object]:
+        return {}
+
+
+@pytest.mark.parametrize("options", [(), ("caging.prefer=cage",), ("method=allen",)])
+def test_no_grasp_depends_on_the_diagnostics(
+    options: tuple[str, ...], pr2: Gripper, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (scene,) = read_clouds(SAMPLES / "pan_on_table.pcd")
+    settings = load_settings("default", options)
+    with_trace = plan(scene, pr2, settings).objects[0]
+    monkeypatch.setattr(funnel, "Trace", Nothing)
+    without = plan(scene, pr2, settings).objects[0]
+    assert len(with_trace.grasps) > 0
+    assert with_trace.funnel == without.funnel
+    assert repr(with_trace.grasps) == repr(without.grasps)

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from flatgrasp_cli.errors import SourceError
-from flatgrasp_cli.planner.caging import immobilising_grasps
 from flatgrasp_cli.profiles import PlannerSettings
+from flatgrasp_cli.proof.caging import immobilising_grasps
 from flatgrasp_cli.sources.polygon import MAX_CORNERS, read_polygon
 
 NOTCHED = [[0, 0], [4, 0], [4, 4], [2, 1], [0, 4]]

@@ -123,7 +123,7 @@ def test_what_keeps_the_hand_up_is_told_apart(
     walls = [Box((0.0, y, 0.5 * height_m), (0.3, 0.02, height_m)) for y in (-0.047, 0.047)]
     cloud = Camera(distance=1.0).sees(TABLE, Box((0.0, 0.0, 0.0125), (0.2, 0.03, 0.025)), *walls)
     result = plan(cloud, pr2.model_copy(update={"finger_thickness_m": thickness_m}))
-    block = next(item for item in result.objects if item.trace.box and 0.15 < item.trace.box.size[0] < 0.25)
+    block = next(item for item in result.objects if item.box and 0.15 < item.box.size[0] < 0.25)
     assert block.rejection is not None
     assert (block.rejection.stage, block.rejection.cause) == ("depth", cause)
     assert str(remedy_of(result, block)).startswith(said)

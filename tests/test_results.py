@@ -66,7 +66,7 @@ def test_grasps_are_ranked_and_the_funnel_narrows() -> None:
 
 
 def test_the_silhouettes_loops_are_counter_clockwise_with_clockwise_holes() -> None:
-    ring = sample("pan", "pr2").objects[0].trace.silhouette
+    ring = sample("pan", "pr2").objects[0].silhouette
     assert ring is not None
     assert signed_area(ring.loops[0]) > 0
     assert len(ring.loops) > 1  # the hanging hole
@@ -100,7 +100,7 @@ def test_samples_are_small() -> None:
 
 def test_the_final_figure_draws_the_grasp_where_it_is() -> None:
     """The red line runs through the hand's origin along the closing axis, as long as the opening, in millimetres."""
-    grasp, outline = PLATE.best, PLATE.objects[0].trace.silhouette
+    grasp, outline = PLATE.best, PLATE.objects[0].silhouette
     assert grasp is not None
     assert outline is not None
     axes = final_figure(PLATE).axes[0]
@@ -134,7 +134,7 @@ def test_stage_figures_go_as_far_as_the_method_went(result: Plan, count: int) ->
 def test_no_finger_stands_in_the_outline(name: str, gripper: str) -> None:
     """At the opening to approach with, and half a millimetre before the pads meet: by shapely, for the twenty best."""
     hand, item = load_gripper(gripper), sample(name, gripper).objects[0]
-    outline = item.trace.silhouette
+    outline = item.silhouette
     assert outline is not None
     solid = shapely.Polygon(outline.loops[0], outline.loops[1:])
     for grasp in item.grasps[:20]:

@@ -18,13 +18,17 @@ import shapely
 from scipy.spatial import Delaunay, KDTree
 
 from flatgrasp_cli import Plan, load_gripper, load_settings, plan, read_clouds
+from flatgrasp_cli.geometry import spacing
 from flatgrasp_cli.geometry.alpha_shape import alpha_region
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Cloud, Grasp
-from flatgrasp_cli.planner import depth, gravity, pipeline, silhouette
+from flatgrasp_cli.planner import silhouette
+from flatgrasp_cli.planning import objects
 from flatgrasp_cli.profiles import Gripper
+from flatgrasp_cli.ranking import cost
+from flatgrasp_cli.surroundings import descent
 from tests.conftest import I_BEAM, L_SHAPE, MM, SAMPLES, TABLE, Box, Camera, Tube, cloud_of, rectangle, sampled
 
 COMMAND = [sys.executable, "-m", "flatgrasp_cli", "plan"]
@@ -64,7 +68,7 @@ def by_triangles(points: FloatArray, alpha_m: float) -> Any:
 def test_the_outline_is_that_of_a_triangulation(name: str, pr2: Gripper) -> None:
     """A quarter of a millimetre from it on average: less than the sensor's noise does to either."""
     cloud = next(read_clouds(SAMPLES / f"{name}.pcd"))
-    outline = plan(cloud, pr2).objects[0].trace.silhouette
+    outline = plan(cloud, pr2).objects[0].silhouette
     assert outline is not None
     fast, slow = (make(outline.points, outline.alpha_m) for make in (alpha_region, by_triangles))
     assert fast.symmetric_difference(slow).area < 0.25 * MM * slow.length
@@ -73,9 +77,9 @@ def test_the_outline_is_that_of_a_triangulation(name: str, pr2: Gripper) -> None
 
 def test_the_spacing_is_that_of_the_six_nearest_neighbours() -> None:
     points = np.random.default_rng(0).uniform(0, 0.1, (3000, 2))
-    sample = points[spread_indices(len(points), silhouette.SPACING_SAMPLES)]
-    distances, _ = KDTree(points).query(sample, k=[silhouette.NEIGHBOURS + 1])
-    assert silhouette.spacing(points) == pytest.approx(np.quantile(distances, silhouette.SPACING_QUANTILE), rel=0.01)
+    sample = points[spread_indices(len(points), spacing.SPACING_SAMPLES)]
+    distances, _ = KDTree(points).query(sample, k=[spacing.NEIGHBOURS + 1])
+    assert spacing.spacing(points) == pytest.approx(np.quantile(distances, spacing.SPACING_QUANTILE), rel=0.01)
 
 
 def plain_palm(middle: FloatArray, axis: FloatArray, chart: HeightMap, least_m: float, gripper: Gripper) -> FloatArray:
@@ -92,15 +96,13 @@ def plain_palm(middle: FloatArray, axis: FloatArray, chart: HeightMap, least_m: 
 
 def plain_loneliness(middles: FloatArray, axes: FloatArray) -> FloatArray:
     """For each pair the share of small sideways misses after which no pair is there, in double precision."""
-    met = np.zeros((len(gravity.MISSES_M), len(middles)), dtype=np.bool_)
+    met = np.zeros((len(cost.MISSES_M), len(middles)), dtype=np.bool_)
     for k, (middle, axis) in enumerate(zip(middles, axes, strict=True)):
-        away = middles[:: -(-len(middles) // gravity.MOST_NEIGHBOURS)] - middle
-        others = axes[:: -(-len(middles) // gravity.MOST_NEIGHBOURS)]
-        near = (np.abs(away @ axis) < gravity.MISS_STEP_M) & (
-            np.abs(others @ axis) > np.cos(np.radians(gravity.MISS_DEG))
-        )
+        away = middles[:: -(-len(middles) // cost.MOST_NEIGHBOURS)] - middle
+        others = axes[:: -(-len(middles) // cost.MOST_NEIGHBOURS)]
+        near = (np.abs(away @ axis) < cost.MISS_STEP_M) & (np.abs(others @ axis) > np.cos(np.radians(cost.MISS_DEG)))
         aside = (away @ [-axis[1], axis[0]])[near]
-        met[:, k] = [(np.abs(aside - miss) < gravity.MISS_STEP_M).any() for miss in gravity.MISSES_M]
+        met[:, k] = [(np.abs(aside - miss) < cost.MISS_STEP_M).any() for miss in cost.MISSES_M]
     return np.asarray(1.0 - met.mean(axis=0))
 
 
@@ -120,7 +122,7 @@ def recorded(
 
 
 def test_the_palm_meets_what_a_search_of_all_cells_finds(monkeypatch: pytest.MonkeyPatch, pr2: Gripper) -> None:
-    answers = recorded(monkeypatch, depth, "under_palm", plain_palm)
+    answers = recorded(monkeypatch, descent, "under_palm", plain_palm)
     plan(SCENE, pr2, load_settings("default", ("fingers.step_m=0.008",)))
     assert any(np.isfinite(slow).any() for _, slow in answers)
     for fast, slow in answers:
@@ -128,7 +130,7 @@ def test_the_palm_meets_what_a_search_of_all_cells_finds(monkeypatch: pytest.Mon
 
 
 def test_loneliness_is_that_of_double_precision(monkeypatch: pytest.MonkeyPatch, pr2: Gripper) -> None:
-    answers = recorded(monkeypatch, gravity, "_loneliness", plain_loneliness)
+    answers = recorded(monkeypatch, cost, "loneliness", plain_loneliness)
     plan(SCENE, pr2)
     assert sum(len(slow) for _, slow in answers) > 500
     for fast, slow in answers:
@@ -140,10 +142,7 @@ def test_slices_that_are_not_planned_would_not_have_won(monkeypatch: pytest.Monk
     hands = [load_gripper(name) for name in ("pr2", "lacquey")]
     few = [grasps_of(plan(SCENE, hand)) for hand in hands]
 
-    def all_parts(parts: list[Any], planned: Callable[[Any], Any], _settings: Any) -> Any:
-        return min(map(planned, parts), key=pipeline._best_first)
-
-    monkeypatch.setattr(pipeline, "_cheapest", all_parts)
+    monkeypatch.setattr(objects, "_is_cheaper", lambda *_: False)
     for hand, grasps in zip(hands, few, strict=True):
         every = grasps_of(plan(SCENE, hand))
         assert len(every) == len(grasps) > 0

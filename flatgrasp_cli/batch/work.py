@@ -97,7 +97,7 @@ def _sketch(plan: Plan) -> list[dict[str, Any]]:
     view = view_of(plan, normal_of(plan))
     things = []
     for item in plan.objects:
-        outline = item.trace.silhouette
+        outline = item.silhouette
         if outline is not None and outline.loops:
             loops = [view.of_plane(outline.frame, loop).round().astype(int).tolist() for loop in outline.loops]
             ends = view.of_world(item.grasps[0].contacts) if item.grasps else np.empty((0, 2))

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from flatgrasp_cli.geometry.arrays import FloatArray
     from flatgrasp_cli.job import Job
     from flatgrasp_cli.model import ObjectPlan
-    from flatgrasp_cli.planner.caging import Immobilisation
     from flatgrasp_cli.profiles.settings import CagingSettings
+    from flatgrasp_cli.proof.caging import Immobilisation
 
 
 LISTED = 50
@@ -54,7 +54,7 @@ def command(source: str, job: Job, out: Path | None, as_json: bool) -> int:
     Exit code 0: a grasp on every outline; 1: none on some, or no object in some cloud; 2: some picture could not be
     drawn; 3: the source could not be read.
     """
-    from flatgrasp_cli.planner.caging import immobilising_grasps
+    from flatgrasp_cli.proof.caging import immobilising_grasps
     from flatgrasp_cli.results.cages import cage_document
     from flatgrasp_cli.results.document import to_json
 
@@ -94,7 +94,7 @@ def _outlines(source: str, job: Job) -> Iterator[list[_Outline]]:
 
 
 def _of_object(item: ObjectPlan, name: str, source: str, caging: CagingSettings) -> _Outline:
-    thing, outline = item.object.id, item.trace.silhouette
+    thing, outline = item.object.id, item.silhouette
     return _Outline(f"{name}.{thing}", source, thing, outline.loops if outline else (), caging)
 
 

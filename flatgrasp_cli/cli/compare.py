@@ -16,8 +16,8 @@ from flatgrasp_cli.cli.planning_options import planning_options
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from flatgrasp_cli.comparison import Comparison
     from flatgrasp_cli.job import Job
+    from flatgrasp_cli.methods.comparison import Comparison
     from flatgrasp_cli.planning import Plan
 
 SCHEMA = "flatgrasp.compare/1"
@@ -36,7 +36,7 @@ def command(sources: tuple[str, ...], job: Job, out: Path | None, as_json: bool)
     Exit code 0: ours finds a grasp in every cloud; 1: in some cloud it finds none, stderr says why; 2: some picture
     could not be drawn; 3: some source could not be read.
     """
-    from flatgrasp_cli.comparison import compare
+    from flatgrasp_cli.methods.comparison import compare
     from flatgrasp_cli.results.document import to_json
 
     names, reading, pictures = Names(), Sources(len(sources)), Pictures(out)
@@ -47,7 +47,7 @@ def command(sources: tuple[str, ...], job: Job, out: Path | None, as_json: bool)
             for cloud, _ in job.clouds(source):
                 plan, name = job.plan(cloud), names.of_frame(stem, cloud, source)
                 warnings.tell(plan, source)
-                for pair in compare(plan):
+                for pair in (compare(item, plan.gripper, plan.settings) for item in plan.objects):
                     rows.append(_row(str(cloud.source), pair))
                     if as_json:
                         click.echo(to_json(rows[-1]))
@@ -62,17 +62,18 @@ def command(sources: tuple[str, ...], job: Job, out: Path | None, as_json: bool)
 
 
 def _row(source: str, pair: Comparison) -> dict[str, Any]:
-    from flatgrasp_cli.planner.certification import is_caged
+    from flatgrasp_cli.proof import is_caged
 
     best = pair.ours.grasps[0] if pair.ours.grasps else None
+    widths = [] if pair.theirs is None else pair.theirs.distance.tolist()
     return {
         "schema": SCHEMA,
         "source": source,
         "object": pair.ours.object.id,
-        "ours": best and {"width_m": best.width_m, "caged": is_caged(best)},
+        "ours": best and {"width_m": best.width_m, "caged": is_caged(best.cage)},
         "point_fingers": [
-            {"width_m": grasp.width_m, "executable": verdict is None, "reason": verdict}
-            for grasp, verdict in zip(pair.theirs, pair.verdicts, strict=True)
+            {"width_m": width_m, "executable": verdict is None, "reason": verdict}
+            for width_m, verdict in zip(widths, pair.verdicts, strict=True)
         ],
     }
 
@@ -106,6 +107,6 @@ def _print(rows: list[dict[str, Any]]) -> None:
 def _figure(pair: Comparison, plan: Plan) -> Figure | None:
     from flatgrasp_cli.results.figures.comparison import comparison_figure
 
-    if pair.ours.trace.silhouette is None:
+    if pair.theirs is None:
         return None
-    return comparison_figure(plan, pair.ours, pair.theirs, pair.verdicts, Path(plan.cloud.source.path).name)
+    return comparison_figure(plan, pair.ours, pair.theirs.contacts, pair.verdicts, Path(plan.cloud.source.path).name)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,3 +18,9 @@ def true_entries(matrix: BoolArray) -> tuple[IntArray, IntArray]:
     """Rows and columns (k,) of the true entries of a `matrix` (m, n), in order: several times as fast as `nonzero`."""
     rows, columns = np.divmod(np.flatnonzero(matrix), matrix.shape[1])
     return rows, columns
+
+
+def chunks(rows: int, columns: int, most: int) -> Iterator[slice]:
+    """Slices of the rows of a matrix, each of no more than `most` entries, or of one row."""
+    size = max(1, most // max(1, columns))
+    return (slice(first, first + size) for first in range(0, rows, size))

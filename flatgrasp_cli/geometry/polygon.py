@@ -34,6 +34,12 @@ def distance_to_segment(points: FloatArray, starts: FloatArray, ends: FloatArray
     return np.asarray(np.linalg.norm(points - starts - where[:, None] * along, axis=1))
 
 
+def in_frames(points: FloatArray, origins: FloatArray, along: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """X and y (e, p) of points (e, 2) in p frames at `origins` (p, 2) whose y axes are the unit vectors `along`."""
+    across = left_normal(along)
+    return points @ across.T - dot(origins, across), points @ along.T - dot(origins, along)
+
+
 def left_normal(directions: FloatArray) -> FloatArray:
     """Unit normals (n, 2) to the left of `directions` (n, 2)."""
     x, y = directions.T

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TypeVar
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -13,9 +13,12 @@ T = TypeVar("T", "FingerCandidates", "GraspCandidates")
 
 
 def _select(table: T, keep: BoolArray | IntArray) -> T:
-    """The rows of a table of equally long arrays that a mask or an index array names."""
+    """The rows of a table that a mask or an index array names; columns that are not filled yet stay so."""
     rows = np.flatnonzero(keep) if keep.dtype == np.bool_ else keep
-    return type(table)(*(getattr(table, name).take(rows, axis=0) for name in table.__slots__))
+    columns = {column.name: getattr(table, column.name) for column in fields(table)}
+    return type(table)(
+        **{name: values.take(rows, axis=0) if len(values) else values for name, values in columns.items()}
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,26 +54,78 @@ class FingerCandidates:
         return _select(self, keep)
 
 
+def _unfilled() -> FloatArray:
+    return np.empty(0)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class GraspCandidates:
-    """p pairs of finger candidates with what is known of each; every field has p rows.
+    """The grasp table: p pairs of finger candidates and what each section of the method finds out about them.
 
-    `i` and `j` index the finger candidates; the closing axis `axis` (p, 2) points from i's side to j's.
-    `required_friction` is the smallest coefficient at which the pair is force closed.
+    Every column has p rows, or none while its section has not been reached. Coordinates and lengths are those of the
+    plane, in metres.
+
+    B.1, B.2: `i` and `j` index the finger candidates; `middle` (p, 2) lies midway between their contacts, `distance`
+    apart; the closing axis `axis` (p, 2) points from i's side to j's. `required_friction` is the smallest coefficient
+    at which the pair is force closed.
+
+    B.3 to B.5: `pads` (p, 2) is how far each jaw's pad stands from the middle along the axis, on its −y and on its +y
+    side; `room` (p, 2) the free length behind each pad, infinite where nothing stands there.
+
+    How the hand comes: the `opening` to come with, and `tip`, the height at which the fingertips end. `grip` is the
+    pads' height on the object, `margin` the free space beside each pad, `unseen` how much of the fingers' way, both
+    sides together, no ray reached; `touch` is the height at which both sides were seen, that of the contacts. Of an
+    object seen alone grip and unseen are not known: NaN.
+
+    C: `gravity_distance`, the `inside_share` of the grasping line that lies in the object, and the `cost` in metres.
+
+    Of the final grasps: `contacts` (p, 2, 2), the middles of what the pads touch, and `touched_m` (p, 2), how long that
+    is; `variance` and `arc_ratio` of the two finger candidates.
     """
 
     i: IntArray
     j: IntArray
+    middle: FloatArray
     axis: FloatArray
     distance: FloatArray
     force_balance_deg: FloatArray
     torque_arm_m: FloatArray
     required_friction: FloatArray
+    pads: FloatArray = field(default_factory=_unfilled)
+    room: FloatArray = field(default_factory=_unfilled)
+    opening: FloatArray = field(default_factory=_unfilled)
+    tip: FloatArray = field(default_factory=_unfilled)
+    grip: FloatArray = field(default_factory=_unfilled)
+    margin: FloatArray = field(default_factory=_unfilled)
+    unseen: FloatArray = field(default_factory=_unfilled)
+    touch: FloatArray = field(default_factory=_unfilled)
+    gravity_distance: FloatArray = field(default_factory=_unfilled)
+    inside_share: FloatArray = field(default_factory=_unfilled)
+    cost: FloatArray = field(default_factory=_unfilled)
+    contacts: FloatArray = field(default_factory=_unfilled)
+    touched_m: FloatArray = field(default_factory=_unfilled)
+    variance: FloatArray = field(default_factory=_unfilled)
+    arc_ratio: FloatArray = field(default_factory=_unfilled)
 
     def __len__(self) -> int:
         """Number of pairs."""
         return len(self.i)
 
+    @property
+    def width(self) -> FloatArray:
+        """The object's width between the pads (p,)."""
+        return np.asarray(self.pads.sum(axis=1))
+
+    @property
+    def center(self) -> FloatArray:
+        """Where the hand's approach axis meets the plane (p, 2): midway between the pads."""
+        shift = 0.5 * (self.pads[:, 1] - self.pads[:, 0])
+        return np.asarray(self.middle + shift[:, None] * self.axis)
+
     def select(self, keep: BoolArray | IntArray) -> GraspCandidates:
         """The pairs that `keep`, a mask or an index array, names."""
         return _select(self, keep)
+
+    def having(self, **columns: Any) -> GraspCandidates:
+        """The same pairs with these columns filled in."""
+        return replace(self, **columns)

@@ -94,8 +94,8 @@ class Grasp:
     `position` (3,) and `orientation` [x, y, z, w] are the fingertip frame's: origin midway between the fingertip ends,
     z the approach, y the closing axis. `contacts` (2, 3) are on the −y and the +y side, `fingers` the candidates there.
     Over a support plane the fingertips end `tip_height_m` above it, the pads cover `grip_m` of the object's height, and
-    `unseen_m` of the fingers' way was hidden from the sensor; None for an object seen alone. `way` is there once it has
-    been planned to the end, and with it the poses before and after, and the flange's.
+    `unseen_m` of the fingers' way was hidden from the sensor; None for an object seen alone. `way` has the poses before
+    and after, and the flange's.
     """
 
     rank: int
@@ -113,36 +113,30 @@ class Grasp:
     inside_share: float
     arc_ratio: float
     cost_m: float
+    way: Way = field(repr=False)
     tip_height_m: float | None = None
     grip_m: float | None = None
     unseen_m: float | None = None
     cage: Cage | None = None
     closure: Closure | None = None
     reach: Reach | None = None
-    way: Way | None = field(default=None, repr=False)
 
     @property
     def pre_grasp(self) -> Pose:
         """The fingertips' pose before the grasp: from there the hand, open, goes straight to the grasp."""
-        return self._carried_out.tips.pre_grasp
+        return self.way.tips.pre_grasp
 
     @property
     def lift(self) -> Pose:
         """The fingertips' pose after the grasp, with the object lifted."""
-        return self._carried_out.tips.lift
+        return self.way.tips.lift
 
     @property
     def flange(self) -> Poses:
         """What to drive to: the poses of the arm's flange (`tool0`), turned as `reach.joints_rad` have it."""
-        return self._carried_out.flange
+        return self.way.flange
 
     @property
     def hand(self) -> Poses:
         """The poses of the frame that the hand itself is mounted by: the flange's, if no adapter is between them."""
-        return self._carried_out.hand or self._carried_out.flange
-
-    @property
-    def _carried_out(self) -> Way:
-        if self.way is None:
-            raise ValueError("this grasp was not planned to the end: take one from flatgrasp_cli.plan")
-        return self.way
+        return self.way.hand or self.way.flange

@@ -56,6 +56,18 @@ class GravityCenter:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class PlaneShape:
+    """An object as the method sees it in the plane: its bounding box, its silhouette and its centre of gravity.
+
+    Above a slice's level `silhouette` is that of the slice, box and centre of gravity are still the whole object's.
+    """
+
+    box: OrientedBox
+    silhouette: Silhouette
+    gravity_center: GravityCenter
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class StepPoints:
     """Step points of one loop: arc lengths `positions` (s,) and `points` (s, 2), `step_m` apart (the paper's r)."""
 

@@ -8,7 +8,7 @@ from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.model.candidates import FingerCandidates
 from flatgrasp_cli.model.clouds import ObjectCloud
 from flatgrasp_cli.model.grasps import Grasp
-from flatgrasp_cli.model.outlines import GravityCenter, OrientedBox, Silhouette, StepPoints
+from flatgrasp_cli.model.outlines import GravityCenter, OrientedBox, PlaneShape, Silhouette, StepPoints
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,22 +35,18 @@ class Rejection:
 
 @dataclass(slots=True, eq=False)
 class Trace:
-    """What each step of the method saw, for figures and for study; filled while the method runs, None where it ended.
+    """Diagnostics: what each step of the method saw, for figures and for study. No answer depends on it.
 
-    `force_balance_deg` (m, k) is γ of all candidates for jaw 0 with all for jaw 1. `survivors` maps a stage's name to
-    the (k, 2) pairs of candidates that it kept, in the method's order; `ranked` are the last of them, best first, and
-    `gravity_distance_m` theirs. `level_m` is the height over the support plane above which the silhouette was taken.
+    It is filled while the method runs; None is what was not reached. `force_balance_deg` (m, k) is γ of all candidates
+    for jaw 0 with all for jaw 1. `survivors` maps a stage's name to the (k, 2) pairs of candidates that it kept, in the
+    method's order; `ranked` are the last of them, best first, and `gravity_distance_m` theirs.
     """
 
-    box: OrientedBox | None = None
-    level_m: float | None = None
-    silhouette: Silhouette | None = None
     steps: tuple[StepPoints, ...] = ()
     fingers: FingerCandidates | None = None
     doubted_directions: int = 0
     force_balance_deg: FloatArray | None = None
     survivors: dict[str, IntArray] = field(default_factory=dict)
-    gravity_center: GravityCenter | None = None
     ranked: IntArray | None = None
     gravity_distance_m: FloatArray | None = None
 
@@ -59,12 +55,27 @@ class Trace:
 class ObjectPlan:
     """The answer for one object: its grasps, or the rejection that says why there are none.
 
-    `refused` are the best of the grasps that a robot cannot carry out.
+    `refused` are the best of the grasps that a robot cannot carry out. `shape` is what the method ran on, None if the
+    object spans no plane or has no outline; `box` is known without an outline, too. `level_m` is the height over the
+    support plane above which the silhouette was taken.
     """
 
     object: ObjectCloud
     funnel: tuple[Stage, ...]
     grasps: tuple[Grasp, ...]
     rejection: Rejection | None
-    trace: Trace
     refused: tuple[Grasp, ...] = ()
+    box: OrientedBox | None = None
+    shape: PlaneShape | None = None
+    level_m: float | None = None
+    trace: Trace = field(default_factory=Trace)
+
+    @property
+    def silhouette(self) -> Silhouette | None:
+        """The outline that the method ran on."""
+        return None if self.shape is None else self.shape.silhouette
+
+    @property
+    def gravity_center(self) -> GravityCenter | None:
+        """Where the object's centre of gravity may be, in the plane of the silhouette."""
+        return None if self.shape is None else self.shape.gravity_center

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from flatgrasp_cli.funnel import Funnel
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray, true_entries
 from flatgrasp_cli.geometry.polygon import cross, dot
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates
 from flatgrasp_cli.planner.fingers import EITHER_JAW
-from flatgrasp_cli.planner.funnel import Funnel
 from flatgrasp_cli.profiles.settings import BalanceSettings
 
 
@@ -56,7 +56,8 @@ def weigh(fingers: FingerCandidates, i: IntArray, j: IntArray, gamma_deg: FloatA
     The arm is the torque of the two unit forces about the midpoint, (d/2)·|sin a_i + sin a_j|, in metres; required
     friction is tan(max(|a_i|, |a_j|)), infinite where a finger would have to pull.
     """
-    apart = fingers.contact.take(j, axis=0) - fingers.contact.take(i, axis=0)
+    c_i, c_j = fingers.contact.take(i, axis=0), fingers.contact.take(j, axis=0)
+    apart = c_j - c_i
     distance = np.hypot(apart[:, 0], apart[:, 1])
     e = apart / np.where(distance > 0, distance, 1.0)[:, None]
     n_i, n_j = fingers.direction.take(i, axis=0), fingers.direction.take(j, axis=0)
@@ -66,6 +67,7 @@ def weigh(fingers: FingerCandidates, i: IntArray, j: IntArray, gamma_deg: FloatA
     return GraspCandidates(
         i=i,
         j=j,
+        middle=0.5 * (c_i + c_j),
         axis=e,
         distance=distance,
         force_balance_deg=gamma_deg,

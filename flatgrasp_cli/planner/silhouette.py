@@ -4,21 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
-import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.alpha_shape import CellGrid, alpha_region
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
 from flatgrasp_cli.geometry.frames import Frame
-from flatgrasp_cli.geometry.sampling import spread_indices
+from flatgrasp_cli.geometry.spacing import spacing
 from flatgrasp_cli.model import Silhouette
 from flatgrasp_cli.profiles.settings import SilhouetteSettings
 
-NEIGHBOURS = 6
-KD_TREE = 4
-"""FLANN's name for an exact search in one tree."""
-SPACING_QUANTILE = 0.95
-SPACING_SAMPLES = 1000
 MIN_ALPHA_M = 0.003
 ALPHA_GROWTH = 1.5
 STRAY_M = 0.02
@@ -53,15 +47,6 @@ def without_strays(points: FloatArray, settings: SilhouetteSettings) -> FloatArr
             _, member = _one_piece(points[:, view], STRAY_M, settings.min_coverage)
             points = points if member.all() else points[member]
     return points
-
-
-def spacing(points: FloatArray) -> float:
-    """Distance within which 95 % of `points` (n, 2) have six neighbours, from an even sample of them."""
-    sample = points[spread_indices(len(points), SPACING_SAMPLES)]
-    reach = min(NEIGHBOURS + 1, len(points))  # a point is its own nearest neighbour
-    tree = cv2.flann.Index(points.astype(np.float32), {"algorithm": KD_TREE, "leaf_max_size": 16})
-    _, squares = tree.knnSearch(np.ascontiguousarray(sample, dtype=np.float32), reach, params={})
-    return float(np.sqrt(np.sort(squares[:, -1])[round(SPACING_QUANTILE * (len(sample) - 1))]))
 
 
 def _one_piece(points: FloatArray, alpha_m: float, min_share: float) -> tuple[float, BoolArray]:

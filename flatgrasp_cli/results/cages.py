@@ -7,9 +7,9 @@ from dataclasses import asdict
 from typing import Any
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.planner.allen import cage_of
-from flatgrasp_cli.planner.caging import Immobilisation
+from flatgrasp_cli.methods.allen import cage_of
 from flatgrasp_cli.profiles.settings import CagingSettings
+from flatgrasp_cli.proof.caging import Immobilisation
 
 SCHEMA_ID = "flatgrasp.cage/1"
 NO_HOLD = "no two points of the outline hold it, as on any convex one"

@@ -12,12 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.model import (
     Grasp,
-    GravityCenter,
     ObjectPlan,
     OrientedBox,
+    PlaneShape,
     Pose,
     Poses,
     Reach,
@@ -122,7 +121,7 @@ def _plane(plane: SupportPlane) -> SupportPlanePart:
 
 def _object(item: ObjectPlan, plan: Plan) -> ObjectPart:
     trace, rejection = item.trace, item.rejection
-    outline, box = trace.silhouette, trace.box
+    outline, box = item.silhouette, item.box
     return ObjectPart(
         id=item.object.id,
         points=len(item.object.points),
@@ -133,10 +132,8 @@ def _object(item: ObjectPlan, plan: Plan) -> ObjectPart:
         and MissPart(stage=rejection.stage, value=_number(rejection.value), limit=_number(rejection.limit)),
         obb=box and _box(box),
         aabb=box and AabbPart(min=_numbers(box.aabb[0]), max=_numbers(box.aabb[1])),
-        silhouette=outline and _silhouette(outline, trace.level_m),
-        gravity_center=_gravity(outline.frame, trace.gravity_center)
-        if outline is not None and outline.loops and trace.gravity_center is not None
-        else None,
+        silhouette=outline and _silhouette(outline, item.level_m),
+        gravity_center=item.shape and _gravity(item.shape),
         fingers=FingersPart(
             step_m=_number(trace.steps[0].step_m) if trace.steps else None, doubted_directions=trace.doubted_directions
         ),
@@ -161,7 +158,8 @@ def _silhouette(outline: Silhouette, level_m: float | None) -> SilhouettePart:
     )
 
 
-def _gravity(plane: Frame, center: GravityCenter) -> GravityPart:
+def _gravity(shape: PlaneShape) -> GravityPart:
+    plane, center = shape.silhouette.frame, shape.gravity_center
     return GravityPart(
         area=_numbers(plane.to_world(center.area)),
         points=_numbers(plane.to_world(center.points)),

@@ -2,13 +2,12 @@
 
 from flatgrasp_cli.robot.frames import in_dh_base
 from flatgrasp_cli.robot.kinematics import forward, inverse, manipulability, max_manipulability
-from flatgrasp_cli.robot.motion import Motion, carried_out, flange_at
+from flatgrasp_cli.robot.motion import Motion, flange_at, way_to
 from flatgrasp_cli.robot.reach import Plane, reach
 
 __all__ = [
     "Motion",
     "Plane",
-    "carried_out",
     "flange_at",
     "forward",
     "in_dh_base",
@@ -16,4 +15,5 @@ __all__ = [
     "manipulability",
     "max_manipulability",
     "reach",
+    "way_to",
 ]

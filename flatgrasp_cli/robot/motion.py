@@ -7,11 +7,11 @@ fingers' tips are short of `pre_grasp` and `pose` by what they will come out.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import axes_from_quaternion, turned_about_z
-from flatgrasp_cli.model import Grasp, Pose, Poses, Way
+from flatgrasp_cli.model import Pose, Poses, Way
 from flatgrasp_cli.profiles.gripper import Gripper
 
 
@@ -29,21 +29,21 @@ class Motion:
     twin: bool
 
 
-def flange_at(grasp: Grasp, gripper: Gripper) -> Pose:
-    """The flange's pose at a grasp, the hand not turned into its twin."""
-    back = gripper.tool_length_m(grasp.width_m) * axes_from_quaternion(grasp.orientation)[2]
-    return Pose(grasp.position - back, turned_about_z(grasp.orientation, -gripper.mounted_deg))
+def flange_at(tips: Pose, width_m: float, gripper: Gripper) -> Pose:
+    """The flange's pose where the fingertips have closed on `width_m`, the hand not turned into its twin."""
+    back = gripper.tool_length_m(width_m) * axes_from_quaternion(tips.orientation)[2]
+    return Pose(tips.position - back, turned_about_z(tips.orientation, -gripper.mounted_deg))
 
 
-def carried_out(grasp: Grasp, gripper: Gripper, motion: Motion) -> Grasp:
-    """The grasp with its way.
+def way_to(tips: Pose, width_m: float, gripper: Gripper, motion: Motion, *, twin: bool) -> Way:
+    """The way to the grasp whose fingertips close on `width_m` at `tips`.
 
     Where the arm takes the twin, flange and hand are turned by 180° about the approach, as the joint angles have them;
     the fingertips' frame stays as it is, for the fingers that change places are alike.
     """
-    approach = axes_from_quaternion(grasp.orientation)[2]
+    approach = axes_from_quaternion(tips.orientation)[2]
     before, after = motion.approach_m * approach, motion.lift_m * motion.lift_direction
-    twin_deg = 180.0 if grasp.reach is not None and grasp.reach.twin else 0.0
+    twin_deg = 180.0 if twin else 0.0
 
     def poses(at: Pose, turn_deg: float) -> Poses:
         turned = turned_about_z(at.orientation, turn_deg)
@@ -53,11 +53,10 @@ def carried_out(grasp: Grasp, gripper: Gripper, motion: Motion) -> Grasp:
             lift=Pose(at.position + after, turned),
         )
 
-    flange = flange_at(grasp, gripper)
-    mounting = Pose(flange.position + gripper.adapter_m * approach, grasp.orientation)
-    way = Way(
-        tips=poses(Pose(grasp.position, grasp.orientation), 0.0),
+    flange = flange_at(tips, width_m, gripper)
+    mounting = Pose(flange.position + gripper.adapter_m * approach, tips.orientation)
+    return Way(
+        tips=poses(tips, 0.0),
         flange=poses(flange, twin_deg),
         hand=poses(mounting, twin_deg) if gripper.adapter_m or gripper.mounted_deg else None,
     )
-    return replace(grasp, way=way)

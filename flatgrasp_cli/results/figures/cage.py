@@ -15,7 +15,7 @@ from matplotlib.patches import Rectangle
 
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.geometry.polygon import arc_positions, points_at
-from flatgrasp_cli.planner.caging import Immobilisation
+from flatgrasp_cli.proof.caging import Immobilisation
 from flatgrasp_cli.results.cages import NO_HOLD
 from flatgrasp_cli.results.figures.labels import Label, put
 from flatgrasp_cli.results.figures.page import Page, show

@@ -34,7 +34,7 @@ MAX_MISSED = 60
 
 def draw_close(axes: Axes, plan: Plan, item: ObjectPlan, view: View) -> FloatArray:
     """An object with its outline, hand, contacts and centre of gravity; the points (n, 2) that are not to be hidden."""
-    outline = item.trace.silhouette
+    outline = item.silhouette
     if outline is None:
         drawn = view.of_world(item.object.points)
         draw_dots(axes, drawn, PALE, "cloud")
@@ -43,7 +43,7 @@ def draw_close(axes: Axes, plan: Plan, item: ObjectPlan, view: View) -> FloatArr
     for grasp in (*item.grasps[:1], *item.refused[:1]):
         drawn = np.vstack([drawn, hand_extent(grasp, view, plan.gripper)])
     _draw_grasps(axes, plan, item, view)
-    center = item.trace.gravity_center
+    center = item.gravity_center
     if center is not None and outline is not None:
         place = view.of_plane(outline.frame, center.place[None])
         axes.plot(*place.T, "P", color=PURPLE, ms=11, mec="white", zorder=8, ls="none", label="centre of gravity")
@@ -94,7 +94,7 @@ def _draw_grasps(axes: Axes, plan: Plan, item: ObjectPlan, view: View) -> None:
 
 def _draw_missed(axes: Axes, item: ObjectPlan, view: View) -> None:
     """The last pairs of contacts that were left before there was no grasp."""
-    outline, fingers = item.trace.silhouette, item.trace.fingers
+    outline, fingers = item.silhouette, item.trace.fingers
     left = [(stage, pairs) for stage, pairs in item.trace.survivors.items() if len(pairs)]
     if outline is None or fingers is None or not left:
         return

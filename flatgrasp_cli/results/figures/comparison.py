@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.model import Grasp, ObjectPlan, Silhouette
+from flatgrasp_cli.model import ObjectPlan, Silhouette
 from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.results.figures.close import draw_close, draw_loops
 from flatgrasp_cli.results.figures.labels import Label, put
@@ -22,13 +22,14 @@ CAN = "the hand can carry it out"
 
 
 def comparison_figure(
-    plan: Plan, ours: ObjectPlan, theirs: Sequence[Grasp], verdicts: Sequence[str | None], title: str
+    plan: Plan, ours: ObjectPlan, theirs: FloatArray, verdicts: Sequence[str | None], title: str
 ) -> Figure:
     """Left our best grasp with its hand, right the point fingers' grasps: blue those that the hand can carry out.
 
-    `verdicts` say why it cannot, or None.
+    `theirs` (k, 2, 2) are the contacts of the point fingers' grasps in the plane, best first; `verdicts` say why the
+    hand cannot, or None.
     """
-    outline = ours.trace.silhouette
+    outline = ours.silhouette
     assert outline is not None  # noqa: S101 - without one there is nothing to compare
     view = view_of(plan, outline.frame.axes[2])
     page = Page(f"{title} · {plan.gripper.description}", 2)
@@ -44,16 +45,16 @@ def comparison_figure(
 
 
 def _draw_theirs(
-    axes: Axes, outline: Silhouette, view: View, theirs: Sequence[Grasp], verdicts: Sequence[str | None]
+    axes: Axes, outline: Silhouette, view: View, theirs: FloatArray, verdicts: Sequence[str | None]
 ) -> None:
     """Each grasp as a line between its contacts, with its rank beside one of them."""
     labels, lines, named = [], [], set[str]()
-    for grasp, verdict in zip(theirs, verdicts, strict=True):
-        contacts = view.of_world(grasp.contacts)
+    for rank, (found, verdict) in enumerate(zip(theirs, verdicts, strict=True), start=1):
+        contacts = view.of_plane(outline.frame, found)
         color, name = (GREY, "grasps that the hand cannot carry out") if verdict else (BLUE, f"grasps: {CAN}")
         axes.plot(*contacts.T, "o-", color=color, lw=1.2, ms=4, label=None if name in named else name)
         named.add(name)
-        labels.append(Label(str(grasp.rank), _rim(contacts), {"fontsize": 9, "color": color, "fontweight": "bold"}))
+        labels.append(Label(str(rank), _rim(contacts), {"fontsize": 9, "color": color, "fontweight": "bold"}))
         lines.append(np.linspace(contacts[0], contacts[1], 40))
     put(axes, labels, np.vstack([*(view.of_plane(outline.frame, closed(loop)) for loop in outline.loops), *lines]))
 

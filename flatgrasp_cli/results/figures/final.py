@@ -49,7 +49,7 @@ def final_figure(plan: Plan) -> Figure:
 
 
 def _level(item: ObjectPlan) -> str:
-    level = item.trace.level_m
+    level = item.level_m
     return " in its main plane" if level is None else f": outline of what is higher than {MM * level:.0f} mm"
 
 

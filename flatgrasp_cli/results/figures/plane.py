@@ -24,7 +24,7 @@ class PlaneDrawing:
     """A page with one drawing of an object's outline in the main plane."""
 
     def __init__(self, plan: Plan, item: ObjectPlan, title: str, color: str = GREY) -> None:
-        outline = item.trace.silhouette
+        outline = item.silhouette
         assert outline is not None  # noqa: S101 - stages that were not reached are not drawn
         self._outline, self._view = outline, view_of(plan, outline.frame.axes[2])
         self._page = Page(title, 1)

@@ -76,7 +76,7 @@ def _draw_object(axes: Axes, plan: Plan, k: int, view: View) -> Label:
     item = plan.objects[k]
     best = bool(item.grasps) and item.grasps[0] is plan.best
     parts = [thinned(view.of_world(item.object.points))]
-    outline = item.trace.silhouette
+    outline = item.silhouette
     for loop in outline.loops if outline else ():
         drawn = view.of_plane(outline.frame, closed(loop))  # type: ignore[union-attr]
         axes.plot(drawn[:, 0], drawn[:, 1], color=BLACK, lw=0.9, zorder=3)

@@ -34,7 +34,7 @@ TRIAD_SHARE = 0.2
 
 def boxes(plan: Plan, item: ObjectPlan) -> Figure:
     """Fig. 3: the oriented and the axis-aligned bounding box."""
-    box = item.trace.box
+    box = item.box
     assert box is not None  # noqa: S101 - stages that were not reached are not drawn
     page = Page("A.1 oriented bounding box and main plane", 1)
     axes = page.panel("", projection="3d")
@@ -74,7 +74,7 @@ def resultant(item: ObjectPlan) -> FloatArray:
 
 def final_on_cloud(plan: Plan, item: ObjectPlan) -> Figure:
     """Fig. 17 (b) and 18: the final grasp in the plane and on the cloud."""
-    outline, grasp = item.trace.silhouette, item.grasps[0]
+    outline, grasp = item.silhouette, item.grasps[0]
     assert outline is not None  # noqa: S101 - of a grasp there is one
     view = view_of(plan, outline.frame.axes[2])
     page = Page("C the final grasp", 2)
@@ -105,7 +105,7 @@ def _draw_frame(axes: object, frame: Frame, plan: Plan, drawn: FloatArray) -> No
 
 def _upright(plan: Plan, item: ObjectPlan) -> Frame:
     """The frame to draw an object in, so that it stands upright."""
-    support, box = item.object.support, item.trace.box
+    support, box = item.object.support, item.box
     normal = support.normal if support is not None else box.frame.axes[2] if box is not None else -np.eye(3)[2]
     return view_of(plan, normal).upright(on_plane=support is not None)
 

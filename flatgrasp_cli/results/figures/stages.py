@@ -57,11 +57,11 @@ def stage_figures(plan: Plan) -> Iterator[tuple[str, Callable[[], Figure]]]:
 def _drawings(item: ObjectPlan) -> Iterator[tuple[str, Draw]]:
     """What can be drawn of an object."""
     trace = item.trace
-    outlined = trace.silhouette is not None
+    outlined = item.silhouette is not None
     fingers = outlined and trace.fingers is not None
     balanced = outlined and resultant(item).size > 0
     drawings: list[tuple[bool, str, Draw]] = [
-        (trace.box is not None, "obb", boxes),
+        (item.box is not None, "obb", boxes),
         (outlined, "projection", _projection),
         (outlined and bool(trace.steps), "step_points", _step_points),
         (fingers, "finger_candidates", _finger_candidates),
@@ -85,7 +85,7 @@ def _numbered(number: int, draw: Draw, plan: Plan, item: ObjectPlan) -> Figure:
 
 def _projection(plan: Plan, item: ObjectPlan) -> Figure:
     """Figs. 4 and 5: the projection and its concave hull, in serial order."""
-    outline = item.trace.silhouette
+    outline = item.silhouette
     assert outline is not None  # noqa: S101
     holes = max(len(outline.loops) - 1, 0)
     plane = PlaneDrawing(
@@ -124,7 +124,7 @@ def _finger_candidates(plan: Plan, item: ObjectPlan) -> Figure:
 
 def _directions(plan: Plan, item: ObjectPlan) -> Figure:
     """Fig. 11 (c): inside grasping directions."""
-    outline, fingers = item.trace.silhouette, item.trace.fingers
+    outline, fingers = item.silhouette, item.trace.fingers
     assert outline is not None  # noqa: S101
     assert fingers is not None  # noqa: S101
     plane = PlaneDrawing(plan, item, f"A.3.3 grasping directions, {item.trace.doubted_directions} doubted")
@@ -219,8 +219,8 @@ def _gravity(plan: Plan, item: ObjectPlan) -> Figure:
         label = "the final grasp's finger candidates" if k == best[0] else None
         plane.axes.plot(*ends.T, color=RED, lw=4, zorder=5, solid_capstyle="butt", label=label)
     plane.axes.plot(*plane.of(contact[best]).T, color=RED, lw=1.5, zorder=5, label="the final grasp")
-    if trace.gravity_center is not None:
-        center = plane.of(trace.gravity_center.place[None])
+    if item.gravity_center is not None:
+        center = plane.of(item.gravity_center.place[None])
         plane.axes.plot(
             *center.T, "P", color=PURPLE, ms=11, mec="white", ls="none", zorder=6, label="centre of gravity"
         )

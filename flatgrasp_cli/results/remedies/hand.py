@@ -21,7 +21,7 @@ TINY_M = 0.003
 
 def narrow_fingers(plan: Plan, item: ObjectPlan, _rejection: Rejection) -> str | None:
     """A hand whose fingers find a place on the outline."""
-    box = item.trace.box
+    box = item.box
     if box is not None and max(box.size[:2]) < TINY_M:
         return f"clouds are taken in metres, this object is {1e3 * max(box.size[:2]):.2g} mm long: see --scale"
     mine = _widest_jaw(plan.gripper)
@@ -90,7 +90,7 @@ def not_deep_enough(plan: Plan, item: ObjectPlan, rejection: Rejection) -> str |
         return long_fingers(plan, item, rejection)
     if rejection.cause == "neighbours":
         return "take away what stands beside it, or grasp that first; thinner fingers need less room"
-    outline, box = item.trace.silhouette, item.trace.box
+    outline, box = item.silhouette, item.box
     if rejection.cause == "itself" and outline is not None and box is not None:
         return _finer(len(item.object.points), box.size[:2])
     if rejection.cause == "low":

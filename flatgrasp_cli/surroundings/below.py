@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from flatgrasp_cli.funnel import Miss
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 from flatgrasp_cli.geometry.polygon import dot, left_normal
-from flatgrasp_cli.model import FingerCandidates, GraspCandidates
-from flatgrasp_cli.planner.funnel import Miss
-from flatgrasp_cli.planner.hand import Fit, centers
+from flatgrasp_cli.model import GraspCandidates
 from flatgrasp_cli.profiles.gripper import Gripper
-
-if TYPE_CHECKING:
-    from flatgrasp_cli.planner.depth import Terrain
 
 AT_CONTACT_M = 0.005
 """So near to the pad what is seen may be the object that it rests on."""
@@ -26,40 +20,41 @@ SAME_M = 0.001
 
 
 def under_fingers(
-    fingers: FingerCandidates,
-    pairs: GraspCandidates,
-    fit: Fit,
+    grasps: GraspCandidates,
     margins: FloatArray,
-    world: tuple[Terrain, Gripper, float],
+    rest: HeightMap,
+    highest: HeightMap,
+    gripper: Gripper,
+    clearance_m: float,
 ) -> tuple[FloatArray, FloatArray]:
-    """Highest point, and length that no ray reached, (MARGINS, p) below fingers that come that far from the pads."""
-    terrain, gripper, clearance_m = world
-    cell = terrain.rest.cell_m
+    """Highest point, and length that no ray reached, (MARGINS, p) below fingers that come that far from the pads.
+
+    Near the pads, where the object itself is seen, they meet the `rest`, and farther out whatever is `highest`.
+    """
+    cell = rest.cell_m
     out = np.arange(0.5 * cell, float(margins.max()) + gripper.finger_thickness_m + cell, cell)
     at_contact = np.searchsorted(out, AT_CONTACT_M)
-    middle, across = centers(fingers, pairs, fit), left_normal(pairs.axis)
+    middle, width, across = grasps.center, grasps.width, left_normal(grasps.axis)
     reach = np.ceil((margins + gripper.finger_thickness_m) / cell).astype(np.intp) - 1
     reach = np.maximum(np.minimum(reach, len(out) - 1), 0)
-    columns = np.arange(len(pairs))
-    highest, hidden = np.full(margins.shape, UNSEEN), np.zeros(margins.shape)
+    columns = np.arange(len(grasps))
+    found, hidden = np.full(margins.shape, UNSEEN), np.zeros(margins.shape)
     across_finger = _steps(gripper.finger_width_m + 2 * clearance_m, cell)
     for side, sign in ((0, -1.0), (1, 1.0)):
         x = np.concatenate([offset + across_finger for offset in gripper.jaws[side]])
-        begin = middle + (sign * 0.5 * fit.width)[:, None] * pairs.axis
+        begin = middle + (sign * 0.5 * width)[:, None] * grasps.axis
         x_of, y_of = (
             (begin[:, k] + x[:, None] * across[:, k]).astype(np.float32)
-            + (sign * out[:, None] * pairs.axis[:, k]).astype(np.float32)[:, None]
+            + (sign * out[:, None] * grasps.axis[:, k]).astype(np.float32)[:, None]
             for k in (0, 1)
         )
-        cells = terrain.rest.cells(x_of, y_of)  # (out, across, p)
-        heights = np.concatenate(
-            [terrain.rest.heights.take(cells[:at_contact]), terrain.fine.heights.take(cells[at_contact:])]
-        )
+        cells = rest.cells(x_of, y_of)  # (out, across, p)
+        heights = np.concatenate([rest.heights.take(cells[:at_contact]), highest.heights.take(cells[at_contact:])])
         most = np.maximum.accumulate(heights.max(axis=1), axis=0)
         dark = np.cumsum(np.add.reduce(heights == UNSEEN, axis=1, dtype=np.uint16), axis=0) * (cell / len(x))
-        highest = np.maximum(highest, most[reach, columns])
+        found = np.maximum(found, most[reach, columns])
         hidden += dark[reach, columns]
-    return highest, hidden
+    return found, hidden
 
 
 def under_palm(middle: FloatArray, axis: FloatArray, chart: HeightMap, least_m: float, gripper: Gripper) -> FloatArray:

@@ -10,13 +10,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from flatgrasp_cli.funnel import Funnel
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
 from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.geometry.lines import fitted_lines
 from flatgrasp_cli.geometry.polygon import dot
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates
-from flatgrasp_cli.planner.depth import Terrain, pad_places
-from flatgrasp_cli.planner.funnel import Funnel
+from flatgrasp_cli.surroundings.maps import HeightMaps
+from flatgrasp_cli.surroundings.view import View
+from flatgrasp_cli.surroundings.walls import pad_places
 
 OUTWARD_M = (0.003, 0.005, 0.007)
 HEIGHTS_M, BEHIND_M = (0.003, 0.010), 0.006
@@ -38,50 +40,50 @@ FACE_M = 0.008
 ACROSS = np.linspace(-0.4, 0.4, 9)
 
 
-def seen_sides(fingers: FingerCandidates, terrain: Terrain) -> FingerCandidates:
+def seen_sides(
+    fingers: FingerCandidates, maps: HeightMaps, view: View, viewpoint: FloatArray, level_m: float
+) -> FingerCandidates:
     """The candidates but those in holes that were not seen through, with what was seen of the sides they stand at.
 
-    In the shadow the end of the object is that of its top, and it may go on behind. Where only a face was seen, and no
-    top, its thickness is not known. What was seen from all sides ends where it was seen to end.
+    In the shadow of the sensor at `viewpoint` (3,) the end of the object is that of its top, and it may go on behind.
+    Where only a face was seen, and no top, its thickness is not known.
     """
-    if terrain.view.image is None:
-        return replace(fingers, hidden=np.zeros(len(fingers)), seen=np.ones(len(fingers), dtype=np.bool_))
-    share = hidden_share(fingers, terrain)
+    share = hidden_share(fingers, view, level_m)
     open_sides = (share <= HOLE_SHARE) | (fingers.loop == 0)
     fingers, shadowed = fingers.select(open_sides), share[open_sides] > SHADOW_SHARE
-    hidden = hidden_extent(fingers, terrain.surface, shadowed, terrain.view.image.viewpoint)
+    hidden = hidden_extent(fingers, maps.surface, shadowed, viewpoint)
     seen = ~shadowed
     rows = np.flatnonzero(shadowed)
-    seen[rows] = ~_front_only(fingers.select(rows), terrain)
+    seen[rows] = ~_front_only(fingers.select(rows), maps)
     return replace(fingers, hidden=hidden, seen=seen)
 
 
-def of_known_thickness(fingers: FingerCandidates, pairs: GraspCandidates, funnel: Funnel) -> GraspCandidates:
+def of_known_thickness(fingers: FingerCandidates, grasps: GraspCandidates, funnel: Funnel) -> GraspCandidates:
     """The pairs that do not take the two sides of one seen face for those of a thin object."""
-    face = ~(fingers.seen[pairs.i] & fingers.seen[pairs.j])
-    missing = np.where(face, np.maximum(THIN_M - pairs.distance, 0.0), 0.0)
+    face = ~(fingers.seen[grasps.i] & fingers.seen[grasps.j])
+    missing = np.where(face, np.maximum(THIN_M - grasps.distance, 0.0), 0.0)
     kept = funnel.at_most(
-        "seen", pairs, missing, 0.0, lambda _: "only a face of the object was seen, not how thick it is behind that"
+        "seen", grasps, missing, 0.0, lambda _: "only a face of the object was seen, not how thick it is behind that"
     )
-    return pairs.select(kept)
+    return grasps.select(kept)
 
 
-def _front_only(fingers: FingerCandidates, terrain: Terrain) -> BoolArray:
+def _front_only(fingers: FingerCandidates, maps: HeightMaps) -> BoolArray:
     """Which candidates (m,) have an upright face before them and not the top of the object."""
     x, y = pad_places(fingers, TOP_M, ACROSS)
-    mean = terrain.average.over(x, y)
+    mean = maps.average.over(x, y)
     known = np.isfinite(mean)
-    spread = np.where(known, terrain.fine.over(x, y) - np.where(known, mean, 0.0), 0.0)
+    spread = np.where(known, maps.highest.over(x, y) - np.where(known, mean, 0.0), 0.0)
     return np.asarray(spread.sum(axis=(0, 1)) > FACE_M * np.maximum(known.sum(axis=(0, 1)), 1))
 
 
-def hidden_share(fingers: FingerCandidates, terrain: Terrain) -> FloatArray:
+def hidden_share(fingers: FingerCandidates, view: View, level_m: float) -> FloatArray:
     """Share (m,) of the space before each candidate, where the finger comes down, that the sensor did not see."""
     x, y = pad_places(fingers, -np.array(OUTWARD_M), ACROSS[::2])
-    levels = terrain.level_m + np.array(HEIGHTS_M)
+    levels = level_m + np.array(HEIGHTS_M)
     points = np.empty((3, len(levels), *x.shape))
     points[0], points[1], points[2] = x, y, levels[:, None, None, None]
-    hidden = terrain.view.hides(points.reshape(3, -1), BEHIND_M).reshape(-1, len(fingers))
+    hidden = view.hides(points.reshape(3, -1), BEHIND_M).reshape(-1, len(fingers))
     return np.asarray(np.count_nonzero(hidden, axis=0) / len(hidden))
 
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
-from flatgrasp_cli.planner.caging.boundary import Boundary
-from flatgrasp_cli.planner.caging.contact_space import Caging
+from flatgrasp_cli.proof.caging.boundary import Boundary
+from flatgrasp_cli.proof.caging.contact_space import Caging
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -10,8 +10,8 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.polygon import distance_to_segment
-from flatgrasp_cli.planner.caging.boundary import Boundary
 from flatgrasp_cli.profiles.settings import CagingSettings
+from flatgrasp_cli.proof.caging.boundary import Boundary
 
 COARSER = 1.5
 MITRE = 2.0

@@ -13,9 +13,9 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import IntArray, true_entries
 from flatgrasp_cli.geometry.polygon import distance_to_segment
-from flatgrasp_cli.planner.caging.boundary import Boundary
-from flatgrasp_cli.planner.caging.contact_space import Caging, Contacts
-from flatgrasp_cli.planner.caging.merge_tree import ESCAPE, Landscape, Links, basins, merge_levels
+from flatgrasp_cli.proof.caging.boundary import Boundary
+from flatgrasp_cli.proof.caging.contact_space import Caging, Contacts
+from flatgrasp_cli.proof.caging.merge_tree import ESCAPE, Landscape, Links, basins, merge_levels
 
 
 def stretching(boundary: Boundary, told_apart: float) -> Caging:

@@ -20,8 +20,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray, true_entries
-from flatgrasp_cli.planner.caging.boundary import Boundary
-from flatgrasp_cli.planner.caging.merge_tree import (
+from flatgrasp_cli.proof.caging.boundary import Boundary
+from flatgrasp_cli.proof.caging.merge_tree import (
     ESCAPE,
     Basins,
     Landscape,

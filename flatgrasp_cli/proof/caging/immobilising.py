@@ -13,10 +13,10 @@ from functools import partial
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
-from flatgrasp_cli.planner.caging.certificate import caging_of
-from flatgrasp_cli.planner.caging.contact_space import SAME, Caging
-from flatgrasp_cli.planner.caging.outline import prepare
 from flatgrasp_cli.profiles.settings import CagingSettings
+from flatgrasp_cli.proof.caging.certificate import caging_of
+from flatgrasp_cli.proof.caging.contact_space import SAME, Caging
+from flatgrasp_cli.proof.caging.outline import prepare
 
 
 @dataclass(frozen=True, slots=True, eq=False)

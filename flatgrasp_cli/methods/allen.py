@@ -10,29 +10,64 @@ from typing import Any
 
 import numpy as np
 
+from flatgrasp_cli.funnel import Funnel
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.geometry.frames import quaternion_from_axes
 from flatgrasp_cli.geometry.polygon import cross, left_normal, share_inside
-from flatgrasp_cli.model import Cage, Grasp, Silhouette
-from flatgrasp_cli.planner.caging import Hands, Immobilisation, immobilising_grasps
+from flatgrasp_cli.model import Cage, GraspCandidates, PlaneShape, Silhouette
 from flatgrasp_cli.profiles.gripper import Gripper
-from flatgrasp_cli.profiles.settings import PlannerSettings
+from flatgrasp_cli.profiles.settings import CagingSettings, PlannerSettings
+from flatgrasp_cli.proof.caging import Hands, Immobilisation, immobilising_grasps
+from flatgrasp_cli.surroundings.interface import Surroundings
 
 THIN_M = 1e-4
 """Fingers that overlap the outline by less than a sliver of this width touch it."""
 
 
-def point_finger_grasps(
-    outline: Silhouette, center: FloatArray, tip_m: float, settings: PlannerSettings
-) -> tuple[Grasp, ...]:
+def point_fingers(
+    shape: PlaneShape,
+    surroundings: Surroundings,
+    gripper: Gripper,
+    settings: PlannerSettings,
+    funnel: Funnel,
+    top: int,
+) -> GraspCandidates:
+    """The best `top` of the grasps that two point fingers close into, whatever the hand can do."""
+    grasps = point_finger_grasps(shape.silhouette, shape.gravity_center.area, settings.caging)
+    funnel.count("immobilising", len(grasps), "no two points of the outline hold it, as on any convex one")
+    tip, touched = np.full(len(grasps), surroundings.lowest_m), np.full((len(grasps), 2), gripper.finger_width_m)
+    return grasps.having(tip=tip, touch=tip, touched_m=touched).select(np.arange(min(top, len(grasps))))
+
+
+def point_finger_grasps(outline: Silhouette, center: FloatArray, settings: CagingSettings) -> GraspCandidates:
     """The grasps of an outline that two point fingers close into, the one that forgives most first.
 
     Where the distance of the fingers is least, their line is normal to the outline, or to its generalised normal at a
-    corner: the force balance is exact and no friction is needed. `center` (2,) is the object's centre of
-    gravity, `tip_m` the height of the fingertips.
+    corner: the force balance is exact and no friction is needed. `center` (2,) is the object's centre of gravity. Each
+    finger is a candidate of its own.
     """
-    found = immobilising_grasps(outline.loops, settings.caging)
-    return tuple(_grasp(k, one, outline, center, tip_m) for k, one in enumerate(found))
+    found = immobilising_grasps(outline.loops, settings)
+    contacts = np.array([one.contacts for one in found]).reshape(-1, 2, 2)
+    width = np.array([one.width_m for one in found])
+    axis = (contacts[:, 1] - contacts[:, 0]) / width[:, None]
+    middle, none = contacts.mean(axis=1), np.zeros(len(found))
+    return GraspCandidates(
+        i=2 * np.arange(len(found)),
+        j=2 * np.arange(len(found)) + 1,
+        middle=middle,
+        axis=axis,
+        distance=width,
+        force_balance_deg=none,
+        torque_arm_m=none,
+        required_friction=none,
+        pads=np.column_stack([0.5 * width, 0.5 * width]),
+        opening=np.array([one.width_m if one.basin_m is None else one.basin_m for one in found]),
+        gravity_distance=np.abs(cross(axis, center - middle)),
+        inside_share=share_inside(outline.loops, contacts[:, 0], contacts[:, 1]),
+        cost=np.array([-min(one.depth_m, one.width_m) for one in found]),
+        contacts=contacts,
+        variance=none,
+        arc_ratio=np.ones(len(found)),
+    )
 
 
 def cage_of(found: Immobilisation, closing: str) -> Cage:
@@ -86,28 +121,3 @@ def _rectangle(hands: Hands, k: int, x: tuple[float, float], y: tuple[float, flo
     across = left_normal(hands.axis[k : k + 1])[0]
     corners = [(x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])]
     return shapely.Polygon([hands.center[k] + a * across + b * hands.axis[k] for a, b in corners])
-
-
-def _grasp(k: int, found: Immobilisation, outline: Silhouette, center: FloatArray, tip_m: float) -> Grasp:
-    frame, contacts = outline.frame, found.contacts
-    axis = (contacts[1] - contacts[0]) / found.width_m
-    middle = contacts.mean(axis=0)
-    heights = np.full((2, 1), tip_m)
-    hand_x, hand_y = left_normal(axis[None])[0] @ frame.axes[:2], axis @ frame.axes[:2]
-    return Grasp(
-        rank=k + 1,
-        position=frame.to_world(np.array([[*middle, tip_m]]))[0],
-        orientation=quaternion_from_axes(np.stack([hand_x, hand_y, -frame.axes[2]])),
-        opening_m=found.width_m if found.basin_m is None else found.basin_m,
-        width_m=found.width_m,
-        contacts=frame.to_world(np.concatenate([contacts, heights], axis=1)),
-        fingers=(2 * k, 2 * k + 1),
-        force_balance_deg=0.0,
-        torque_arm_m=0.0,
-        required_friction=0.0,
-        variance_m=0.0,
-        gravity_distance_m=float(abs(cross(axis, center - middle))),
-        inside_share=float(share_inside(outline.loops, contacts[:1], contacts[1:])[0]),
-        arc_ratio=1.0,
-        cost_m=float(-min(found.depth_m, found.width_m)),
-    )

@@ -6,8 +6,8 @@ and flooded (merge_tree); placements are then looked up (limits), as points on t
 says how far the hand may miss (tolerance).
 """
 
-from flatgrasp_cli.planner.caging.certificate import Proof, prove
-from flatgrasp_cli.planner.caging.hands import Hands
-from flatgrasp_cli.planner.caging.immobilising import Immobilisation, immobilising_grasps
+from flatgrasp_cli.proof.caging.certificate import Proof, prove
+from flatgrasp_cli.proof.caging.hands import Hands
+from flatgrasp_cli.proof.caging.immobilising import Immobilisation, immobilising_grasps
 
 __all__ = ["Hands", "Immobilisation", "Proof", "immobilising_grasps", "prove"]

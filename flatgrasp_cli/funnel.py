@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
-from flatgrasp_cli.model import GraspCandidates, Rejection, Stage
+from flatgrasp_cli.model import GraspCandidates, Rejection, Stage, Trace
 
 
 class Miss(NamedTuple):
@@ -27,11 +27,14 @@ class NothingLeft(Exception):  # noqa: N818 (an ending, not an error)
 
 
 class Funnel:
-    """Counts candidates stage by stage; a stage that keeps none ends the method with `NothingLeft`."""
+    """Counts candidates stage by stage; a stage that keeps none ends the method with `NothingLeft`.
 
-    def __init__(self) -> None:
+    `trace` keeps what figures show of the way, and decides nothing.
+    """
+
+    def __init__(self, trace: Trace | None = None) -> None:
         self.stages: list[Stage] = []
-        self.survivors: dict[str, IntArray] = {}
+        self.trace = trace or Trace()
 
     def count(self, stage: str, kept: int, reason: str) -> None:
         """Note that a stage kept `kept` candidates; `reason` explains none."""
@@ -50,7 +53,7 @@ class Funnel:
         """Indices of the pairs whose `values` (p,) are at most `limit`; `miss` words the nearest value beyond it."""
         kept = np.flatnonzero(values <= limit)
         self.stages.append(Stage(stage, len(kept)))
-        self.survivors[stage] = np.column_stack([pairs.i[kept], pairs.j[kept]])
+        self.trace.survivors[stage] = np.column_stack([pairs.i[kept], pairs.j[kept]])
         if len(kept) == 0:
             nearest = float(values.min())
             finite = nearest if np.isfinite(nearest) else None

@@ -17,7 +17,7 @@ from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.chain import Chain, closed_chain, slopes
 from flatgrasp_cli.geometry.polygon import dot, left_normal
 from flatgrasp_cli.model import Tolerance
-from flatgrasp_cli.planner.caging.hands import Box, Hands
+from flatgrasp_cli.proof.caging.hands import Box, Hands
 
 TURNS, LEFT_M = 30, 1e-4
 """A turn goes on in steps that the clearance allows, until that is used up but for this."""

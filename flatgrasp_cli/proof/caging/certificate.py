@@ -9,15 +9,15 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.model import Cage, Tolerance
-from flatgrasp_cli.planner.caging.boundary import Boundary
-from flatgrasp_cli.planner.caging.contact_space import Caging, squeezing
-from flatgrasp_cli.planner.caging.hands import Hands, pad_points, sweeps
-from flatgrasp_cli.planner.caging.limits import Limits, limits
-from flatgrasp_cli.planner.caging.outline import prepare
-from flatgrasp_cli.planner.caging.stretching import stretching
-from flatgrasp_cli.planner.caging.tolerance import tolerances
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import CagingSettings
+from flatgrasp_cli.proof.caging.boundary import Boundary
+from flatgrasp_cli.proof.caging.contact_space import Caging, squeezing
+from flatgrasp_cli.proof.caging.hands import Hands, pad_points, sweeps
+from flatgrasp_cli.proof.caging.limits import Limits, limits
+from flatgrasp_cli.proof.caging.outline import prepare
+from flatgrasp_cli.proof.caging.stretching import stretching
+from flatgrasp_cli.proof.caging.tolerance import tolerances
 
 
 @dataclass(frozen=True, slots=True, eq=False)

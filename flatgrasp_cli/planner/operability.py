@@ -1,0 +1,119 @@
+"""§III.B.5: room for the fingers beside the object, and where the pads come to rest."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flatgrasp_cli.funnel import Funnel
+from flatgrasp_cli.geometry.arrays import FloatArray, chunks
+from flatgrasp_cli.geometry.chain import Chain, closed_chain, slopes
+from flatgrasp_cli.geometry.polygon import in_frames
+from flatgrasp_cli.model import FingerCandidates, GraspCandidates, Silhouette
+from flatgrasp_cli.planner.grasping_range import extents, half_widths
+from flatgrasp_cli.profiles.gripper import Gripper
+from flatgrasp_cli.profiles.settings import HandSettings
+
+SINK_M = 0.002
+"""A pad may come to rest this far, and half its width, below the highest point of its stretch of boundary."""
+MAX_CELLS = 20_000
+"""Pairs × edges worked on at once: as much as stays in a processor's cache."""
+
+
+def operable(
+    outline: Silhouette,
+    fingers: FingerCandidates,
+    grasps: GraspCandidates,
+    gripper: Gripper,
+    settings: HandSettings,
+    funnel: Funnel,
+) -> GraspCandidates:
+    """The pairs at which the fingers have room beside the object, with `pads` and `room`."""
+    if settings.operability == "swept":
+        pads, room = swept_fit(outline, fingers, grasps, gripper, settings.contact_tolerance_m)
+    else:
+        pads, room = eq2_fit(outline, grasps, gripper, settings.contact_tolerance_m)
+    pads, room = _beyond_hidden_sides(fingers, grasps, pads, room, gripper.max_opening_m - 2 * settings.clearance_m)
+    grasps = grasps.having(pads=np.ascontiguousarray(pads.T), room=np.ascontiguousarray(room.T))
+    need = gripper.finger_thickness_m + settings.clearance_m
+    # B.3 judged by each candidate's own stretch of boundary; the exact width may still differ.
+    width = grasps.width
+    fits = (width >= gripper.min_opening_m) & (width <= gripper.max_opening_m - 2 * settings.clearance_m)
+    shortage = np.where(fits, need - grasps.room.min(axis=1), np.inf)
+
+    def miss(value: float) -> str:
+        if not np.isfinite(value):
+            return f"between the pads every pair is wider than the gripper opens, {gripper.max_opening_m:.3f} m"
+        return f"most room behind a pad {max(need - value, 0.0):.3f} m, the finger needs {need:.3f} m"
+
+    return grasps.select(funnel.at_most("operability", grasps, shortage, 0.0, miss))
+
+
+def _beyond_hidden_sides(
+    fingers: FingerCandidates, grasps: GraspCandidates, pads: FloatArray, room: FloatArray, widest_m: float
+) -> tuple[FloatArray, FloatArray]:
+    """Pads and room (2, p), each pad as far out as the object probably goes on unseen, if the hand opens so far."""
+    hidden = np.stack([fingers.hidden[grasps.i], fingers.hidden[grasps.j]])
+    spare, total = np.maximum(widest_m - pads.sum(axis=0), 0.0), hidden.sum(axis=0)
+    hidden = hidden * np.minimum(1.0, spare / np.where(total > 0, total, 1.0))
+    return pads + hidden, np.maximum(room - hidden, 0.0)
+
+
+def swept_fit(
+    silhouette: Silhouette, fingers: FingerCandidates, grasps: GraspCandidates, gripper: Gripper, tolerance_m: float
+) -> tuple[FloatArray, FloatArray]:
+    """Exact: where the pads come to rest and how far each finger could back off, (2, p) each, by the whole outline.
+
+    Each finger sweeps a strip of its width along the closing axis. Boundary up to `tolerance_m` beyond the candidate's
+    own reach is what the pad rests on; the next boundary outward ends the room, and boundary that runs on past the
+    tolerance without a gap leaves none.
+    """
+    points, breaks = closed_chain(silhouette.loops)
+    level = extents(fingers, grasps) + tolerance_m
+    pads, room = np.empty((2, len(grasps))), np.empty((2, len(grasps)))
+    for part in chunks(len(grasps), len(points), MAX_CELLS):
+        x, y = in_frames(points, grasps.middle[part], grasps.axis[part])
+        outline = Chain(x, y, slopes(x, y), breaks)
+        for side, seen in ((0, outline.flipped()), (1, outline)):
+            pads[side, part], room[side, part] = _jaw_fit(
+                seen, level[side, part], gripper.jaws[side], gripper.finger_width_m
+            )
+    sunk = level - pads > SINK_M + half_widths(gripper)  # it rests on something else than its candidate
+    return pads, np.where(sunk, 0.0, room)
+
+
+def _jaw_fit(
+    outline: Chain, level: FloatArray, offsets: tuple[float, ...], finger_width: float
+) -> tuple[FloatArray, FloatArray]:
+    """Pad distance and room (p,) of a jaw with fingers at `offsets`, for an outline seen with +y out to that jaw.
+
+    A pad may rest on boundary up to `level` (p,).
+    """
+    pad, obstacle = np.full(len(level), -np.inf), np.full(len(level), np.inf)
+    for offset in offsets:
+        meets, lowest, highest = outline.clipped(offset - finger_width / 2, offset + finger_width / 2)
+        beyond = highest > level
+        pad = np.maximum(pad, np.where(meets & ~beyond, highest, -np.inf).max(axis=0))
+        obstacle = np.minimum(obstacle, np.where(meets & beyond, lowest, np.inf).min(axis=0))
+        obstacle[(obstacle < level) | outline.holds(offset, level)] = -np.inf
+    touches = np.isfinite(pad)
+    pad = np.where(touches, pad, 0.0)
+    return pad, np.where(touches, np.maximum(obstacle - pad, 0.0), 0.0)
+
+
+def eq2_fit(
+    silhouette: Silhouette, grasps: GraspCandidates, gripper: Gripper, tolerance_m: float
+) -> tuple[FloatArray, FloatArray]:
+    """Eq. (2) as printed: no hull point with |x| ≤ w_h/2 and d/2 ≤ |y| ≤ w_o, d the contacts' distance.
+
+    Pads and room are (2, p). `tolerance_m` is added to d/2: the contacts themselves satisfy the printed inequality.
+    """
+    vertices = np.concatenate(silhouette.loops)
+    half = 0.5 * grasps.distance
+    free = np.empty((2, len(grasps)), dtype=np.bool_)
+    for part in chunks(len(grasps), len(vertices), MAX_CELLS):
+        x, y = in_frames(vertices, grasps.middle[part], grasps.axis[part])
+        in_strip = np.abs(x) <= 0.5 * gripper.hand_width_m
+        begin = half[part] + tolerance_m
+        for side, outward in ((0, -y), (1, y)):
+            free[side, part] = ~(in_strip & (outward >= begin) & (outward <= gripper.max_opening_m)).any(axis=0)
+    return np.stack([half, half]), np.where(free, np.inf, 0.0)

@@ -1,0 +1,9 @@
+"""One cloud → one Plan: composes scene, method, proof and robot; what the command line and the Python API call.
+
+`scenes` plans a cloud, `objects` each of its objects in the plane, and `lifting` brings the grasps into space.
+"""
+
+from flatgrasp_cli.planning.lifting import plan_object
+from flatgrasp_cli.planning.scenes import Plan, in_base_frame, plan
+
+__all__ = ["Plan", "in_base_frame", "plan", "plan_object"]

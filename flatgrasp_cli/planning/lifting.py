@@ -1,0 +1,137 @@
+"""Grasps in the plane → grasps in space, ranked, with the way in which hand and arm carry them out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion, quaternion_from_axes
+from flatgrasp_cli.geometry.polygon import left_normal
+from flatgrasp_cli.model import Grasp, GraspCandidates, ObjectCloud, ObjectPlan, Pose, Reach, Rejection, Stage
+from flatgrasp_cli.planning.objects import Answer, answer_for
+from flatgrasp_cli.profiles import Gripper, PlannerSettings, Robot
+from flatgrasp_cli.proof import Certificates
+from flatgrasp_cli.robot import Motion, Plane, flange_at, reach, way_to
+
+REACH_CANDIDATES = 500
+"""The best grasps of an object that a robot is asked about."""
+
+
+def plan_object(
+    cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings, top: int = 10, robot: Robot | None = None
+) -> ObjectPlan:
+    """The best `top` grasps of one object, with `settings` as `PlannerSettings.resolve` returns them.
+
+    Of those that a `robot` cannot carry out, the best `top` are listed as refused.
+    """
+    answer = answer_for(cloud, gripper, settings, REACH_CANDIDATES if robot else top)
+    item = ObjectPlan(
+        object=cloud,
+        funnel=answer.funnel,
+        grasps=(),
+        rejection=answer.rejection,
+        box=answer.box,
+        shape=answer.shape,
+        level_m=answer.level_m,
+        trace=answer.trace,
+    )
+    if answer.grasps is None or answer.shape is None:
+        return item
+    plane = answer.shape.silhouette.frame
+    found = _lifted(answer, answer.grasps, plane, gripper, _motion(cloud, plane, gripper, settings))
+    if robot is None:
+        return replace(item, grasps=tuple(found.record(k, rank=k + 1) for k in range(len(answer.grasps))))
+    return _reached(item, found, robot, top)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Lifted:
+    """A grasp table in space: the fingertips' poses, the contacts (k, 2, 3), and how the hand moves."""
+
+    grasps: GraspCandidates
+    certificates: Certificates | None
+    tips: tuple[Pose, ...]
+    contacts: FloatArray
+    gripper: Gripper
+    motion: Motion
+
+    def record(self, k: int, *, rank: int, reached: Reach | None = None) -> Grasp:
+        """The grasp in row `k`."""
+        grasps, proved = self.grasps, self.certificates
+        over_support = len(grasps.grip) > 0 and np.isfinite(grasps.grip[k])
+        width, twin = float(grasps.width[k]), reached is not None and reached.twin
+        return Grasp(
+            rank=rank,
+            position=self.tips[k].position,
+            orientation=self.tips[k].orientation,
+            opening_m=float(grasps.opening[k]),
+            width_m=width,
+            contacts=self.contacts[k],
+            fingers=(int(grasps.i[k]), int(grasps.j[k])),
+            force_balance_deg=float(grasps.force_balance_deg[k]),
+            torque_arm_m=float(grasps.torque_arm_m[k]),
+            required_friction=float(grasps.required_friction[k]),
+            variance_m=float(grasps.variance[k]),
+            gravity_distance_m=float(grasps.gravity_distance[k]),
+            inside_share=float(grasps.inside_share[k]),
+            arc_ratio=float(grasps.arc_ratio[k]),
+            cost_m=float(grasps.cost[k]),
+            way=way_to(self.tips[k], width, self.gripper, self.motion, twin=twin),
+            tip_height_m=float(grasps.tip[k]) if over_support else None,
+            grip_m=float(grasps.grip[k]) if over_support else None,
+            unseen_m=float(grasps.unseen[k]) if over_support else None,
+            cage=None if proved is None else proved.cages[k],
+            closure=None if proved is None else proved.closures[k],
+            reach=reached,
+        )
+
+
+def _lifted(answer: Answer, grasps: GraspCandidates, plane: Frame, gripper: Gripper, motion: Motion) -> _Lifted:
+    """The grasps of an answer, which lie in the x-y plane of a frame, in space.
+
+    Hand y is the closing axis and hand z = −normal, so hand x = y × z = normal × y: y turned left in the plane.
+    """
+    position = plane.to_world(np.column_stack([grasps.center, grasps.tip]))
+    heights = np.repeat(grasps.touch[:, None, None], 2, axis=1)
+    contacts = plane.to_world(np.concatenate([grasps.contacts, heights], axis=2))
+    axes = np.empty((len(grasps), 3, 3))
+    axes[:, 0], axes[:, 1] = left_normal(grasps.axis) @ plane.axes[:2], grasps.axis @ plane.axes[:2]
+    axes[:, 2] = -plane.axes[2]
+    tips = tuple(Pose(where, quaternion_from_axes(turn)) for where, turn in zip(position, axes, strict=True))
+    return _Lifted(grasps, answer.certificates, tips, contacts, gripper, motion)
+
+
+def _motion(cloud: ObjectCloud, plane: Frame, gripper: Gripper, settings: PlannerSettings) -> Motion:
+    """How the hand comes to an object, and goes: up from the support plane, or back from an object alone."""
+    away = plane.axes[2] if cloud.support is None else cloud.support.normal
+    return Motion(settings.depth.approach_m, settings.depth.lift_m, away, gripper.symmetric)
+
+
+def _reached(item: ObjectPlan, found: _Lifted, robot: Robot, top: int) -> ObjectPlan:
+    """The plan with the grasps that the robot can carry out, and the best of those that it cannot."""
+    width = found.grasps.width
+    flanges = [flange_at(tips, float(width[k]), found.gripper) for k, tips in enumerate(found.tips)]
+    positions = np.array([flange.position for flange in flanges])
+    axes = np.array([axes_from_quaternion(flange.orientation) for flange in flanges])
+    support = item.object.support
+    table = None if support is None else Plane(support.normal, support.offset_m)
+    answers = reach(robot, positions, axes, found.motion, table)
+    kept = [k for k, answer in enumerate(answers) if answer.ok]
+    refused = [k for k, answer in enumerate(answers) if not answer.ok]
+    return replace(
+        item,
+        grasps=tuple(found.record(k, rank=n, reached=answers[k]) for n, k in enumerate(kept[:top], start=1)),
+        refused=tuple(found.record(k, rank=k + 1, reached=answers[k]) for k in refused[:top]),
+        funnel=(*item.funnel, Stage("reach", len(kept))),
+        rejection=None if kept else _why_not(robot, answers),
+    )
+
+
+def _why_not(robot: Robot, answers: tuple[Reach, ...]) -> Rejection:
+    """The commonest way in which the robot fails; the limit that it fails by is the cause."""
+    ways = [(str(answer.limit), str(answer.waypoint)) for answer in answers]
+    limit, waypoint = commonest = max(set(ways), key=lambda way: (ways.count(way), way))
+    way = f"{limit} at the {waypoint.replace('_', '-')} in {ways.count(commonest)}"
+    return Rejection("reach", f"{robot.name} reaches none of the {len(answers)} best grasps: {way}", cause=limit)

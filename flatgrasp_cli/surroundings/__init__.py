@@ -1,0 +1,12 @@
+"""Beyond the paper: what stands around an object along an approach direction, and what of it was seen.
+
+`places` says what the method runs on; its `Surroundings` answer what the method asks: at which sides fingers can stand,
+whether an object's thickness was seen, how far the hand can come, and what that costs.
+"""
+
+from flatgrasp_cli.surroundings.alone import Alone
+from flatgrasp_cli.surroundings.interface import Surroundings
+from flatgrasp_cli.surroundings.on_support import OnSupport
+from flatgrasp_cli.surroundings.places import Place, from_the_side, hanging_m, places
+
+__all__ = ["Alone", "OnSupport", "Place", "Surroundings", "from_the_side", "hanging_m", "places"]

@@ -1,0 +1,47 @@
+"""What the method asks of whatever stands around an object."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from flatgrasp_cli.funnel import Funnel
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.model import FingerCandidates, GraspCandidates, Silhouette
+from flatgrasp_cli.profiles.gripper import Gripper
+
+
+class Surroundings(Protocol):
+    """What stands around an object along an approach direction, and what of it was seen.
+
+    The hand comes against the normal of the plane that the method runs in; heights are along that normal.
+    """
+
+    @property
+    def level_m(self) -> float | None:
+        """The height above which the silhouette was taken; None where heights are those over the main plane."""
+
+    @property
+    def lowest_m(self) -> float:
+        """The height at which fingertips may end."""
+
+    def sides(self, fingers: FingerCandidates, funnel: Funnel, /) -> FingerCandidates:
+        """The candidates at which a finger can stand, with what is hidden of the object there."""
+
+    def of_known_thickness(
+        self, fingers: FingerCandidates, grasps: GraspCandidates, funnel: Funnel, /
+    ) -> GraspCandidates:
+        """The pairs between whose contacts the object's thickness was seen."""
+
+    def approached(
+        self,
+        outline: Silhouette,
+        fingers: FingerCandidates,
+        grasps: GraspCandidates,
+        gripper: Gripper,
+        funnel: Funnel,
+        /,
+    ) -> GraspCandidates:
+        """The pairs to which the hand can come, with the opening to come with and the heights of tips and contacts."""
+
+    def cost(self, grasps: GraspCandidates, /) -> FloatArray:
+        """What the way there adds to the grasps' cost, metres (p,)."""

@@ -1,0 +1,69 @@
+"""An object amid others: on a support plane, or standing before the hand."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flatgrasp_cli.funnel import Funnel
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.model import FingerCandidates, GraspCandidates, Silhouette
+from flatgrasp_cli.profiles.gripper import Gripper
+from flatgrasp_cli.profiles.settings import PlannerSettings
+from flatgrasp_cli.surroundings.descent import descended, descent_cost
+from flatgrasp_cli.surroundings.maps import HeightMaps
+from flatgrasp_cli.surroundings.sight import of_known_thickness, seen_sides
+from flatgrasp_cli.surroundings.view import View
+from flatgrasp_cli.surroundings.walls import upright
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OnSupport:
+    """What a slice above `level_m` stands on and amid, and what the sensor saw of that.
+
+    Fingertips may end at `lowest_m`, lower beside a part that is too low for that; what is no higher than `ground_m` is
+    no obstacle. Heights are over the support plane, or over what was seen deepest of a standing object.
+    """
+
+    level_m: float
+    lowest_m: float
+    ground_m: float
+    maps: HeightMaps
+    view: View
+    settings: PlannerSettings
+
+    def sides(self, fingers: FingerCandidates, funnel: Funnel, /) -> FingerCandidates:
+        """The candidates before upright sides, but for those in holes that were not seen through."""
+        if self.level_m > self.lowest_m:
+            steep = upright(fingers, self.maps.rest, self.level_m, self.settings.depth.wall_drop)
+            fingers = fingers.select(steep)
+            funnel.count("upright", len(fingers), "the part that stands out has no steep side")
+        if self.view.image is None:
+            fingers = replace(fingers, hidden=np.zeros(len(fingers)), seen=np.ones(len(fingers), dtype=np.bool_))
+        else:
+            fingers = seen_sides(fingers, self.maps, self.view, self.view.image.viewpoint, self.level_m)
+        funnel.count("open_sides", len(fingers), "the object's only side is that of a hole that was not seen through")
+        return fingers
+
+    def of_known_thickness(
+        self, fingers: FingerCandidates, grasps: GraspCandidates, funnel: Funnel, /
+    ) -> GraspCandidates:
+        """The pairs that do not take the two sides of one seen face for those of a thin object."""
+        return of_known_thickness(fingers, grasps, funnel)
+
+    def approached(
+        self,
+        _outline: Silhouette,
+        fingers: FingerCandidates,
+        grasps: GraspCandidates,
+        gripper: Gripper,
+        funnel: Funnel,
+        /,
+    ) -> GraspCandidates:
+        """The pairs on which the hand can come down far enough, and how it does."""
+        return descended(fingers, grasps, self, gripper, funnel)
+
+    def cost(self, grasps: GraspCandidates, /) -> FloatArray:
+        """Shallow, tight or hidden grasps cost more, metres (p,)."""
+        return descent_cost(grasps, self.settings)

@@ -1,0 +1,157 @@
+"""What the method runs on: an object's points, the plane that they are projected to, and what stands around them.
+
+The paper projects the whole of an object that lies alone. Over a support plane the fingers reach only so far down, so
+the method runs on what stands out above each of several levels, too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.frames import Frame
+from flatgrasp_cli.geometry.height_map import HeightMap
+from flatgrasp_cli.geometry.range_image import RangeImage
+from flatgrasp_cli.geometry.sampling import spread_indices
+from flatgrasp_cli.geometry.spacing import spacing
+from flatgrasp_cli.model import ObjectCloud, OrientedBox, SupportPlane
+from flatgrasp_cli.profiles.settings import PlannerSettings
+from flatgrasp_cli.surroundings.alone import Alone
+from flatgrasp_cli.surroundings.interface import Surroundings
+from flatgrasp_cli.surroundings.maps import HeightMaps
+from flatgrasp_cli.surroundings.on_support import OnSupport
+from flatgrasp_cli.surroundings.sight import BEHIND_M
+from flatgrasp_cli.surroundings.slices import lowest_tip, slices, top_of
+from flatgrasp_cli.surroundings.view import View
+
+PALM_CELL_M = 0.005
+"""Cells of the palm's height map: it is ten times as wide as a finger is."""
+PIXEL_CELLS = 1.5
+"""Pixels of the range image, in cells: hardly one is empty where there is something."""
+FINGERS_M = 0.12
+"""How far beyond an object fingers may come down beside it."""
+FLOOR_M = 0.3
+"""The support plane farther than this from a standing object's middle cannot meet the hand."""
+NEIGHBOURS_WITHIN = 2.0
+"""Six neighbours of a point at the edge of a square grid lie within so many steps; on a rod they lie far along it."""
+MIN_CELL_M = 0.002
+"""Cells of height maps: the points' spacing, but no smaller than what matters to a finger."""
+HANGING_M, MOST_HANGING_M = 0.02, 0.04
+"""Something that begins higher than the first and is nowhere larger than the second may hang in the air."""
+BELOW, FREE_SHARE, BELOW_SAMPLES = (0.25, 0.5), 0.5, 200
+"""Heights, as shares of the object's own, at which free space below it is looked for, and how much of it tells that it
+hangs; the number of points that it is looked for at."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Place:
+    """Points (n, 3) of an object, the `frame` whose x-y plane they are projected to, and what stands around them.
+
+    The hand comes along −z of the frame. `spacing_m` is how far apart the projected points lie, where that is known.
+    """
+
+    box: OrientedBox
+    frame: Frame
+    points: FloatArray
+    surroundings: Surroundings
+    spacing_m: float | None = None
+
+
+def places(cloud: ObjectCloud, box: OrientedBox, settings: PlannerSettings) -> list[Place]:
+    """The whole of an object in the main plane of its `box`, and, over a support plane, the slices that stand out."""
+    if cloud.support is None:
+        return [Place(box, box.frame, cloud.points, Alone(settings))]
+    return _slices(cloud, box, cloud.support, settings)
+
+
+def _slices(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, settings: PlannerSettings) -> list[Place]:
+    """The whole first, in a frame whose origin is the box's centre brought down to the support plane."""
+    frame = replace(box.frame, origin=box.frame.origin - support.heights(box.frame.origin) * support.normal)
+    local, obstacles = frame.to_local(cloud.points), frame.to_local(cloud.obstacles)
+    spacing_m = spacing(local[:, :2])
+    if cloud.floor is not None:
+        spacing_m = min(spacing_m, NEIGHBOURS_WITHIN * cloud.floor.spacing_m)
+    cell_m = max(MIN_CELL_M, spacing_m)
+    others = HeightMap.around(local, cell_m, FINGERS_M).raised(obstacles)
+    if cloud.floor is not None:
+        others = others.filled(cloud.floor.levels, frame, cloud.floor.frame)
+    highest = others.raised(local)
+    coarse = HeightMap.of(np.concatenate([local, obstacles]), max(PALM_CELL_M, cell_m))
+    average = highest.averaged(local)
+    whole = OnSupport(
+        level_m=0.0,
+        lowest_m=float(lowest_tip(top_of(local[:, 2]), settings.depth)),
+        ground_m=settings.depth.min_clearance_m,
+        maps=HeightMaps(surface=average, average=average, rest=others, highest=highest, coarse=coarse),
+        view=_view(cloud, frame, cell_m),
+        settings=settings,
+    )
+    found = []
+    for piece in slices(local, cell_m, settings.depth):
+        if len(piece.rows) == len(local):
+            found.append(Place(box, frame, cloud.points, replace(whole, level_m=piece.level_m), spacing_m))
+            continue
+        apart = np.ones(len(local), dtype=np.bool_)
+        apart[piece.rows] = False
+        maps = replace(whole.maps, surface=highest.averaged(local[piece.rows]), rest=others.raised(local[apart]))
+        around = replace(whole, level_m=piece.level_m, maps=maps)
+        found.append(Place(box, frame, cloud.points[piece.rows], around))
+    return found
+
+
+def from_the_side(cloud: ObjectCloud, box: OrientedBox, settings: PlannerSettings) -> Place:
+    """The whole of a standing object in the main plane of its own `box`, to be grasped from the sensor's side.
+
+    Heights are over the deepest that was seen of it, where it is widest; the fingertips end a little behind that, and
+    the support plane is an obstacle like all others.
+    """
+    frame = replace(box.frame, origin=box.frame.origin - 0.5 * box.size[2] * box.frame.axes[2])
+    floor = cloud.floor.points if cloud.floor is not None else np.empty((0, 3))
+    floor = floor[np.abs(floor - box.frame.origin).max(axis=1) < FLOOR_M]
+    local, others = frame.to_local(cloud.points), frame.to_local(np.concatenate([cloud.obstacles, floor]))
+    cell_m = max(MIN_CELL_M, spacing(local[:, :2]))
+    highest = HeightMap.of(np.concatenate([local, others]), cell_m)
+    average = highest.averaged(local)
+    around = OnSupport(
+        level_m=-settings.depth.min_grip_m,
+        lowest_m=-settings.depth.min_grip_m,
+        ground_m=-settings.depth.min_grip_m - settings.depth.obstacle_clearance_m,
+        maps=HeightMaps(
+            surface=average,
+            average=average,
+            rest=HeightMap.of(others, cell_m),
+            highest=highest,
+            coarse=HeightMap.of(np.concatenate([local, others]), max(PALM_CELL_M, cell_m)),
+        ),
+        view=_view(cloud, frame, cell_m),
+        settings=settings,
+    )
+    return Place(box, frame, cloud.points, around)
+
+
+def hanging_m(whole: Place) -> float:
+    """How high in the air a small object hangs, with nothing but free space seen below it; 0 if it does not.
+
+    Stereo cameras see such things beside real ones. Larger ones may be held by what was not seen: the rim of a bowl
+    hangs over, and a bottle may be clear below its label.
+    """
+    if not isinstance(whole.surroundings, OnSupport) or whole.surroundings.view.image is None:
+        return 0.0
+    local = whole.frame.to_local(whole.points)
+    low = float(local[:, 2].min())
+    if low < HANGING_M or float(np.ptp(local, axis=0).max()) > MOST_HANGING_M:
+        return 0.0
+    x, y, _ = np.tile(local[spread_indices(len(local), BELOW_SAMPLES)], (len(BELOW), 1)).T
+    heights = np.repeat(np.multiply(BELOW, low), len(x) // len(BELOW))
+    hidden = whole.surroundings.view.hides(np.stack([x, y, heights]), BEHIND_M)
+    return low if 1 - hidden.mean() >= FREE_SHARE else 0.0
+
+
+def _view(cloud: ObjectCloud, frame: Frame, cell_m: float) -> View:
+    if cloud.viewpoint is None:
+        return View(None, frame, cloud.floor)
+    points = frame.to_local(np.concatenate([cloud.points, cloud.obstacles]))
+    image = RangeImage.of(points, frame.to_local(cloud.viewpoint), PIXEL_CELLS * cell_m)
+    return View(image, frame, cloud.floor)

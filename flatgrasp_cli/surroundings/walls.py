@@ -1,0 +1,76 @@
+"""What pads find to rest on beside the outline: upright walls, or flanks that they slip off."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
+from flatgrasp_cli.geometry.height_map import HeightMap
+from flatgrasp_cli.geometry.lines import fitted_lines
+from flatgrasp_cli.model import FingerCandidates
+
+INWARD_M = np.array([0.001, 0.002, 0.003, 0.004, 0.005, 0.007, 0.009])
+"""Distances inside the outline at which the wall or the flank that a pad rests on is looked for."""
+SEEN_PLACES, WALL_PLACES = 3, 5
+"""How many of those, from the boundary on, show what was seen there, and in how many the wall's top is looked for."""
+LEAST_SLOPE = 0.5
+"""A surface that rises less steeply is the object's top."""
+FLANK_OUTWARD_M = np.array([0.002, 0.003, 0.004])
+"""Distances outside the outline at which a flank that goes on below the slice's level shows."""
+ALONG_PAD = np.array([-0.4, -0.2, 0.0, 0.2, 0.4])
+"""Places along a pad, in widths of it."""
+
+
+class Walls(NamedTuple):
+    """What pads rest on before m finger candidates: heights (m,) over the plane.
+
+    `top` is typical of the places along the pad, `boundary` a mean of what was seen there, and `flank` how much of the
+    wall is but a flank.
+    """
+
+    top: FloatArray
+    boundary: FloatArray
+    flank: FloatArray
+
+
+def pad_places(fingers: FingerCandidates, inward: FloatArray, along: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """X and y (inward, along, m) of places so far `inward` of each candidate's chord and at such shares along it."""
+    way = fingers.end - fingers.start
+    x, y = (
+        fingers.contact[:, k] + along[:, None] * way[:, k] + (inward[:, None] * fingers.direction[:, k])[:, None]
+        for k in (0, 1)
+    )
+    return x, y
+
+
+def upright(fingers: FingerCandidates, rest: HeightMap, level_m: float, wall_drop: float) -> BoolArray:
+    """Which candidates (m,) stand before a wall, and not on a flank that goes on outward below `level_m`.
+
+    `rest` is what the slice stands on; a wall falls by `wall_drop` times the way outward.
+    """
+    below = rest.over(*pad_places(fingers, -FLANK_OUTWARD_M, ALONG_PAD))
+    drop = level_m - np.maximum(below, 0.0)
+    steep = drop >= wall_drop * FLANK_OUTWARD_M[:, None, None]
+    return np.asarray(steep.mean(axis=(0, 1)) >= 0.5)
+
+
+def walls(fingers: FingerCandidates, surface: HeightMap, highest: HeightMap, level_m: float, friction: float) -> Walls:
+    """The walls before m candidates, by the `surface`'s mean heights; the slice's level where nothing was seen.
+
+    What rises inward less steeply than 1/μ is a flank: it is a wall only as far as it is high at the boundary. The
+    `highest` points tell it, for those of an upright face are its mean.
+    """
+    places = pad_places(fingers, INWARD_M, ALONG_PAD)
+    heights = surface.over(*places)  # (distances, places, m)
+    known = np.isfinite(heights)
+    tops = heights[:WALL_PLACES].max(axis=0)
+    top = np.sort(np.where(np.isfinite(tops), tops, level_m), axis=0)[len(ALONG_PAD) // 2]
+    near, count = heights[:SEEN_PLACES], known[:SEEN_PLACES].sum(axis=(0, 1))
+    total = np.where(known[:SEEN_PLACES], near, 0.0).sum(axis=(0, 1))
+    boundary = np.where(count > 0, total / np.maximum(count, 1), level_m)
+    counts, totals = known.sum(axis=1), np.where(known, highest.over(*places), 0.0).sum(axis=1)
+    _, slope = fitted_lines(INWARD_M, np.where(counts > 0, totals / np.maximum(counts, 1), np.nan).T)
+    flank = (slope > LEAST_SLOPE) & (slope < 1 / friction)
+    return Walls(top, boundary, np.where(flank, slope * INWARD_M[WALL_PLACES - 1], 0.0))
