@@ -108,7 +108,7 @@ class TestHeightMap:
     def test_it_is_the_brute_force_maximum(self, seed: int, cell: float) -> None:
         points = np.random.default_rng(seed).uniform(-0.05, 0.05, (200, 3))
         chart = HeightMap.of(points, cell)
-        corner = np.floor((points[:, :2] - chart.origin) / chart.cell_m)
+        corner = np.floor((points[:, :2] - chart.raster.origin) / chart.cell_m)
         for k in range(0, 200, 20):
             mates = (corner == corner[k]).all(axis=1)
             assert chart.over(*points[k, :2]) == points[mates, 2].max()

@@ -227,7 +227,7 @@ class TestRangeImage:
         ahead = np.random.default_rng(0).uniform([-0.2, -0.2, 0.5], [0.2, 0.2, 0.7], (2000, 3))
         around = np.array([[0.0, 0.3, -0.2], [0.5, 0.0, 0.0], [0.4, 0.4, 0.01]])
         alone, amid = (RangeImage.of(points, np.zeros(3), 0.01) for points in (ahead, np.vstack([ahead, around])))
-        assert amid.pitch == pytest.approx(alone.pitch, rel=0.01)
+        assert amid.pixels.cell_m == pytest.approx(alone.pixels.cell_m, rel=0.01)
         assert np.isfinite(amid.ranges).sum() == pytest.approx(np.isfinite(alone.ranges).sum(), rel=0.05)
         assert amid.nearest(around.T)[0].tolist() == [np.inf] * 3
 

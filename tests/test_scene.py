@@ -14,10 +14,11 @@ from scipy.spatial.transform import Rotation
 from flatgrasp_cli import load_gripper, load_settings, plan, read_clouds
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import frame_on_plane
+from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.model import Cloud, ObjectCloud, Scene, Sensor, Source, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene import segment
-from flatgrasp_cli.scene.raster import Grid, Raster, fitting_cell_m, smoothed
+from flatgrasp_cli.scene.cells import SortedPoints, fitting_cell_m, smoothed
 from flatgrasp_cli.scene.support_plane import find_support_plane, looks_down
 from flatgrasp_cli.sensor import located
 from tests.conftest import FLOOR, MM, SAMPLES, TABLE, WALL, Box, Camera, Tube
@@ -345,14 +346,13 @@ class TestWanted:
         assert len(scene_of(ABOVE.sees(TABLE, self.LEFT, self.RIGHT)).objects) == 2
 
 
-class TestRaster:
+class TestCells:
     def test_cells_add_up_what_falls_into_them(self) -> None:
         points = np.array([[0.0, 0.0], [0.004, 0.004], [0.012, 0.0], [0.0, 0.025]])
-        grid = Grid.over(points.min(axis=0), points.max(axis=0), 0.01)
-        raster = Raster.of(grid, grid.cells(*points.T))
-        assert raster.count.shape == (4, 5)  # two by three cells, and a rim
-        assert raster.count.sum() == 4
-        total = raster.total(np.array([1.0, 3.0, 5.0, 7.0]))
+        raster = Raster.over(points.min(axis=0), points.max(axis=0), 0.01)
+        found = SortedPoints.of(raster, raster.cells(*points.T))
+        assert found.count[1:3, 1:4].sum() == found.count.sum() == 4  # two by three cells, and a rim
+        total = found.total(np.array([1.0, 3.0, 5.0, 7.0]))
         assert (total[1, 1], total[2, 1], total[1, 3]) == (4.0, 5.0, 7.0)
         assert total.sum() == 16.0
 

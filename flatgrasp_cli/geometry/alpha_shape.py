@@ -14,8 +14,8 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.polygon import cross, following, signed_area
+from flatgrasp_cli.geometry.raster import Raster
 
-MAX_CELLS = 4_000_000
 CELLS_PER_ALPHA = np.sqrt(2)
 """A disc of radius α, wherever it lies, holds a whole cell of side α/√2: the one around its centre."""
 PIXELS_PER_ALPHA, MAX_PIXELS = 6.0, 60_000
@@ -33,21 +33,13 @@ class CellGrid:
     """
 
     def __init__(self, points: FloatArray, alpha_m: float) -> None:
-        self.points = points
         columns = np.ascontiguousarray(points.T)  # (2, n): reductions run fast over a long last axis
-        self._origin = columns.min(axis=1)
-        self._per_metre = CELLS_PER_ALPHA / alpha_m
-        width, height = (np.floor(np.ptp(columns, axis=1) * self._per_metre) + 3).tolist()
-        if width * height > MAX_CELLS:
-            raise ValueError(f"{width:.0f} × {height:.0f} cells")
-        self.alpha_m, self.shape = alpha_m, (int(width), int(height))
-        self.cell = self._cells_of(columns)
-        counts = np.bincount(self.cell, minlength=self.shape[0] * self.shape[1])
-        self.occupied: BoolArray = counts.reshape(self.shape) > 0
-
-    def _cells_of(self, columns: FloatArray) -> IntArray:
-        x, y = ((columns - self._origin[:, None]) * self._per_metre + 1).astype(np.intp)
-        return np.asarray(x * self.shape[1] + y)
+        cell_m = alpha_m / CELLS_PER_ALPHA
+        raster = Raster.over(columns.min(axis=1), columns.max(axis=1), cell_m)
+        if raster.cell_m > cell_m:
+            raise ValueError(f"cells of {cell_m} m are too many for points {np.ptp(columns, axis=1).max()} m apart")
+        self.cell = raster.cells_within(*columns)
+        self.occupied: BoolArray = raster.count(self.cell) > 0
 
     def largest_piece(self) -> tuple[BoolArray, float]:
         """The connected cells with the most points, as a mask over the points (n,), and their share of the points."""

@@ -183,8 +183,8 @@ def _grasp(grasp: Grasp, plan: Plan) -> GraspPart:
         contacts=_numbers(grasp.contacts),
         fingers=grasp.fingers,
         metrics=MetricsPart(**{name: _number(getattr(grasp, name)) for name in MetricsPart.model_fields}),
-        force_closure=grasp.closure and ClosurePart(**asdict(grasp.closure)),
-        cage=grasp.cage and CagePart(**asdict(grasp.cage)),
+        force_closure=grasp.closure and ClosurePart(**_rounded(asdict(grasp.closure))),
+        cage=grasp.cage and CagePart(**_rounded(asdict(grasp.cage))),
         reach=grasp.reach and _reach(grasp.reach),
     )
 
@@ -213,6 +213,14 @@ def _reach(reach: Reach) -> ReachPart:
 def _number(value: float | None) -> Any:
     """A rounded number, or None for what JSON cannot hold."""
     return None if value is None or not math.isfinite(value) else round(value, DECIMALS) + 0.0  # no −0.0
+
+
+def _rounded(record: dict[str, Any]) -> dict[str, Any]:
+    """A record with its numbers rounded, those of records in it, too."""
+    return {
+        key: _rounded(value) if isinstance(value, dict) else _number(value) if isinstance(value, float) else value
+        for key, value in record.items()
+    }
 
 
 def _numbers(values: Any) -> Any:

@@ -11,10 +11,11 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.frames import Frame, frame_on_plane
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
+from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Floor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
-from flatgrasp_cli.scene.raster import LEVEL_WINDOW_M, Grid, Raster, fitting_cell_m, smoothed
+from flatgrasp_cli.scene.cells import LEVEL_WINDOW_M, SortedPoints, fitting_cell_m, smoothed
 from flatgrasp_cli.scene.strays import lonely
 from flatgrasp_cli.scene.support_plane import MAD_TO_SIGMA
 
@@ -63,32 +64,32 @@ class Clusters:
 def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettings) -> Clusters | None:
     """Objects among `points` (n, 3) that stand on `plane`, largest first; None if no cell shows the plane itself."""
     frame = frame_on_plane(plane.normal, plane.offset_m)
-    raster, heights = _sorted(points, frame, _grid(points, frame, plane.noise_m), -PLANE_SIGMAS * plane.noise_m)
-    total = raster.total(heights)
-    own = total / np.maximum(raster.count, 1)
-    table = _largest((raster.count > 0) & (np.abs(own) < PLANE_SIGMAS * plane.noise_m))
+    found, heights = _sorted(points, frame, _raster(points, frame, plane.noise_m), -PLANE_SIGMAS * plane.noise_m)
+    total = found.total(heights)
+    own = total / np.maximum(found.count, 1)
+    table = _largest((found.count > 0) & (np.abs(own) < PLANE_SIGMAS * plane.noise_m))
     if not table.any():
         return None
-    standing = _standing(raster, own, table, plane.noise_m, settings)
-    labels = _labels(_bridged(standing, settings.gap_m / raster.grid.cell_m)) * standing
-    chosen = _objects(raster, labels, own, table, settings)
+    standing = _standing(found, own, table, plane.noise_m, settings)
+    labels = _labels(_bridged(standing, settings.gap_m / found.raster.cell_m)) * standing
+    chosen = _objects(found, labels, own, table, settings)
 
     # from here on only the points in cells that stand out, a few of all
-    rows = np.flatnonzero(standing.take(raster.cell))
-    cell = raster.cell[rows]
+    rows = np.flatnonzero(standing.take(found.cell))
+    cell = found.cell[rows]
     rows = rows[heights[rows] > np.minimum(POINT_SIGMAS * plane.noise_m, 0.5 * own.ravel()[cell])]
-    rows = rows[~lonely(points[rows], max(STRAY_M, STRAY_CELLS * raster.grid.cell_m))]
-    piece = labels.ravel()[raster.cell[rows]]  # without the plane's points at an object's edge
+    rows = rows[~lonely(points[rows], max(STRAY_M, STRAY_CELLS * found.raster.cell_m))]
+    piece = labels.ravel()[found.cell[rows]]  # without the plane's points at an object's edge
     return Clusters(
         members=tuple(rows[piece == name] for name in chosen),
         clutter=rows[~np.isin(piece, chosen)],
-        floor=_floor(frame, raster, total, (rows, heights[rows])),
+        floor=_floor(frame, found, total, (rows, heights[rows])),
         lie_on_table=bool(chosen) and _outside_share(labels, chosen, table) >= LEAST_OUTSIDE,
-        extent_m=float(raster.grid.cell_m * np.hypot(*_span(table))),
+        extent_m=float(found.raster.cell_m * np.hypot(*_span(table))),
     )
 
 
-def _grid(points: FloatArray, frame: Frame, noise_m: float) -> Grid:
+def _raster(points: FloatArray, frame: Frame, noise_m: float) -> Raster:
     """Cells for the plane and a margin around it, as far as there are points, by an even sample of them."""
     chosen = spread_indices(len(points), GRID_SAMPLE)
     x, y, heights = frame.to_local(points[chosen]).T
@@ -96,51 +97,53 @@ def _grid(points: FloatArray, frame: Frame, noise_m: float) -> Grid:
     sides = [(x, x[flat]), (y, y[flat])]
     low = np.array([max(every_one.min(), own.min() - MARGIN_M) for every_one, own in sides])
     high = np.array([min(every_one.max(), own.max() + MARGIN_M) for every_one, own in sides])
-    return Grid.over(low, high, fitting_cell_m(x[flat], y[flat], len(points) / len(chosen)))
+    return Raster.over(low, high, fitting_cell_m(x[flat], y[flat], len(points) / len(chosen)))
 
 
-def _sorted(points: FloatArray, frame: Frame, grid: Grid, lowest_m: float) -> tuple[Raster, FloatArray]:
-    """All points above `lowest_m` sorted into the grid, and the heights (n,) of all, cut off at `HIGH_M`.
+def _sorted(points: FloatArray, frame: Frame, raster: Raster, lowest_m: float) -> tuple[SortedPoints, FloatArray]:
+    """All points above `lowest_m` sorted into the raster, and the heights (n,) of all, cut off at `HIGH_M`.
 
     A frame has hundreds of thousands of points: they are read once, block by block, so that what lies between their
     coordinates and their cells never leaves the processor's cache.
     """
     cell, heights = np.empty(len(points), dtype=np.intp), np.empty(len(points))
     offset = float(frame.axes[2] @ frame.origin)
-    low, high = grid.origin + grid.cell_m, grid.origin + grid.cell_m * (np.array(grid.shape) - 1)
+    low, high = raster.origin + raster.cell_m, raster.origin + raster.cell_m * (np.array(raster.shape) - 1)
     for first in range(0, len(points), BLOCK):
         part = slice(first, first + BLOCK)
         block = points[part]
         x, y, height = block @ frame.axes[0], block @ frame.axes[1], block @ frame.axes[2] - offset
         near = (x >= low[0]) & (x < high[0]) & (y >= low[1]) & (y < high[1]) & (height > lowest_m)
-        np.multiply(grid.cells(x, y), near, out=cell[part])
+        np.multiply(raster.cells_within(x, y), near, out=cell[part])
         np.minimum(height, HIGH_M, out=heights[part])
-    return Raster.of(grid, cell), heights
+    return SortedPoints.of(raster, cell), heights
 
 
-def _floor(frame: Frame, raster: Raster, total: FloatArray, above: tuple[IntArray, FloatArray]) -> Floor:
+def _floor(frame: Frame, found: SortedPoints, total: FloatArray, above: tuple[IntArray, FloatArray]) -> Floor:
     """The cells with points of the plane, at the mean height of those around: a point's own is mostly noise.
 
     `total` is the sum of all heights in each cell, `above` the rows and heights of the points that are not the plane's.
     """
     rows, heights = above
-    cell = raster.cell[rows]
-    count = raster.count - np.bincount(cell, minlength=raster.count.size).reshape(raster.count.shape)
-    mean = (total - raster.total(heights, cell)) / np.maximum(count, 1)
-    level = smoothed(mean, count, 2 * round(0.5 * CALM_WINDOW_M / raster.grid.cell_m) + 1)
-    levels = HeightMap(raster.grid.origin, raster.grid.cell_m, np.where(count > 0, level, UNSEEN))
-    return Floor(frame, levels, raster.grid.cell_m / float(np.sqrt(np.median(count[count > 0]))))
+    cell = found.cell[rows]
+    count = found.count - np.bincount(cell, minlength=found.count.size).reshape(found.count.shape)
+    mean = (total - found.total(heights, cell)) / np.maximum(count, 1)
+    level = smoothed(mean, count, 2 * round(0.5 * CALM_WINDOW_M / found.raster.cell_m) + 1)
+    levels = HeightMap(found.raster, np.where(count > 0, level, UNSEEN))
+    return Floor(frame, levels, found.raster.cell_m / float(np.sqrt(np.median(count[count > 0]))))
 
 
-def _standing(raster: Raster, own: FloatArray, table: BoolArray, noise_m: float, settings: SceneSettings) -> BoolArray:
+def _standing(
+    found: SortedPoints, own: FloatArray, table: BoolArray, noise_m: float, settings: SceneSettings
+) -> BoolArray:
     """Which cells stand out of the plane, whose local level ripples: by their surroundings' mean and by their `own`."""
-    window = 2 * round(0.5 * LEVEL_WINDOW_M / raster.grid.cell_m) + 1
-    smooth = smoothed(own, raster.count, SMOOTH_CELLS) - smoothed(own, table, window)
+    window = 2 * round(0.5 * LEVEL_WINDOW_M / found.raster.cell_m) + 1
+    smooth = smoothed(own, found.count, SMOOTH_CELLS) - smoothed(own, table, window)
     ripple = smooth[table]
     scatter = MAD_TO_SIGMA * float(np.median(np.abs(ripple[spread_indices(len(ripple), SCATTER_SAMPLE)])))
     threshold = max(settings.min_height_m, settings.noise_factor * scatter)
-    sure = POINT_SIGMAS * noise_m / np.sqrt(np.maximum(raster.count, 1))
-    return np.asarray((raster.count > 0) & (smooth > threshold) & (own > np.maximum(threshold, sure)))
+    sure = POINT_SIGMAS * noise_m / np.sqrt(np.maximum(found.count, 1))
+    return np.asarray((found.count > 0) & (smooth > threshold) & (own > np.maximum(threshold, sure)))
 
 
 def _bridged(mask: BoolArray, gap_cells: float) -> ByteArray:
@@ -162,7 +165,7 @@ def _largest(mask: BoolArray) -> BoolArray:
 
 
 def _objects(
-    raster: Raster, labels: IntArray, heights: FloatArray, table: BoolArray, settings: SceneSettings
+    found: SortedPoints, labels: IntArray, heights: FloatArray, table: BoolArray, settings: SceneSettings
 ) -> list[int]:
     """Names of the clusters that are objects, largest first: big enough, not too long, and amid the plane."""
     import shapely
@@ -171,25 +174,25 @@ def _objects(
     row, column = np.divmod(cell, labels.shape[1])
     name_of = labels.ravel()[cell]
     cells = np.bincount(name_of)
-    points = np.bincount(name_of, weights=raster.count.ravel()[cell])
-    large = (cells * raster.grid.cell_m**2 >= settings.min_size_m**2) & (points >= MIN_POINTS)
+    points = np.bincount(name_of, weights=found.count.ravel()[cell])
+    large = (cells * found.raster.cell_m**2 >= settings.min_size_m**2) & (points >= MIN_POINTS)
     hull = _hull(table)
-    amid, beyond_ripple = (hull.buffer(-margin / raster.grid.cell_m) for margin in (RIM_M, EDGE_M))
-    found = []
+    amid, beyond_ripple = (hull.buffer(-margin / found.raster.cell_m) for margin in (RIM_M, EDGE_M))
+    chosen = []
     for name in np.flatnonzero(large).tolist():
         own = np.stack([row[name_of == name], column[name_of == name]])
         low, high = own.min(axis=1), own.max(axis=1) + 1
-        if raster.grid.cell_m * np.hypot(*(high - low)) > settings.max_size_m:
+        if found.raster.cell_m * np.hypot(*(high - low)) > settings.max_size_m:
             continue
         middle = own.mean(axis=1)
         if heights[*own].max() < EDGE_RIPPLE_M and not shapely.contains_xy(beyond_ripple, *own).any():
             continue
         if (
             shapely.contains_xy(amid, *middle)
-            and _sectors(low, high, middle, table, RING_M / raster.grid.cell_m) >= MIN_SECTORS
+            and _sectors(low, high, middle, table, RING_M / found.raster.cell_m) >= MIN_SECTORS
         ):
-            found.append(name)
-    return sorted(found, key=lambda name: -int(cells[name]))
+            chosen.append(name)
+    return sorted(chosen, key=lambda name: -int(cells[name]))
 
 
 def _hull(mask: BoolArray) -> Any:

@@ -48,7 +48,7 @@ def under_fingers(
             + (sign * out[:, None] * grasps.axis[:, k]).astype(np.float32)[:, None]
             for k in (0, 1)
         )
-        cells = rest.cells(x_of, y_of)  # (out, across, p)
+        cells = rest.raster.cells(x_of, y_of)  # (out, across, p)
         heights = np.concatenate([rest.heights.take(cells[:at_contact]), highest.heights.take(cells[at_contact:])])
         most = np.maximum.accumulate(heights.max(axis=1), axis=0)
         dark = np.cumsum(np.add.reduce(heights == UNSEEN, axis=1, dtype=np.uint16), axis=0) * (cell / len(x))

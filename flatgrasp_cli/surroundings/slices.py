@@ -49,7 +49,7 @@ def slices(local: FloatArray, cell_m: float, settings: DepthSettings) -> list[Sl
     lowest = float(lowest_tip(top, settings))
     found = [Slice(lowest, np.arange(len(local)))]
     chart = HeightMap.of(local, cell_m)
-    cell_of = chart.cells_of(local)
+    cell_of = chart.raster.cells(local[:, 0], local[:, 1])
     below = np.full(chart.heights.shape, np.count_nonzero(np.isfinite(chart.heights)))  # footprint that cells belong to
     taken = np.full(chart.heights.shape, MOST_ALIKE)  # slices with about that footprint
     for level in np.arange(lowest + settings.slice_step_m, top - settings.min_grip_m, settings.slice_step_m):

@@ -1,0 +1,84 @@
+"""One raster for all that sorts points into square cells: heights, means, counts and ranges."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import Float32Array, FloatArray, IntArray
+
+RIM = 1 + 1e-6
+"""Cells before the first point: a little more than one, for rounding must not put it into the rim."""
+MAX_CELLS = 4_000_000
+"""Cells that a raster may have: 32 MB of numbers."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Raster:
+    """Square cells of side `cell_m`, `shape` (rows, columns) of them from `origin` (2,); rows go along x.
+
+    The cells of the rim hold nothing: whatever lies outside belongs to them.
+    """
+
+    origin: FloatArray
+    cell_m: float
+    shape: tuple[int, int]
+
+    @classmethod
+    def over(cls, low: FloatArray, high: FloatArray, cell_m: float, most: int = MAX_CELLS) -> Raster:
+        """The raster over an area (2,), (2,) with its rim; cells are made larger if there would be more than `most`."""
+        cell_m = max(cell_m, float(np.sqrt(np.prod(high - low + cell_m) / most)))
+        rows, columns = (((high - low) / cell_m).astype(np.intp) + 4).tolist()
+        return cls(low - RIM * cell_m, cell_m, (rows, columns))
+
+    @property
+    def size(self) -> int:
+        """Number of cells."""
+        return self.shape[0] * self.shape[1]
+
+    def cells(self, x: FloatArray | Float32Array, y: FloatArray | Float32Array) -> IntArray:
+        """Flat indices (…) of the cells that hold points x and y (…); those outside fall on the rim."""
+        cell = _bounded(x, self.origin[0], self.cell_m, self.shape[0])
+        cell *= self.shape[1]
+        cell += _bounded(y, self.origin[1], self.cell_m, self.shape[1])
+        return cell
+
+    def cells_within(self, x: FloatArray, y: FloatArray) -> IntArray:
+        """The same for points (n,) none of which, or none that counts, lies outside: in half the time."""
+        cell: IntArray = ((x - self.origin[0]) / self.cell_m).astype(np.intp)
+        cell *= self.shape[1]
+        cell += ((y - self.origin[1]) / self.cell_m).astype(np.intp)
+        return cell
+
+    def middles(self, row: IntArray, column: IntArray) -> FloatArray:
+        """Middles (k, 2) of cells."""
+        return np.asarray(self.origin + self.cell_m * (np.column_stack([row, column]) + 0.5))
+
+    def count(self, cell: IntArray) -> IntArray:
+        """How many (rows, columns) of the flat indices `cell` (n,) are in each cell."""
+        return np.asarray(np.bincount(cell, minlength=self.size).reshape(self.shape))
+
+    def total(self, cell: IntArray, values: FloatArray) -> FloatArray:
+        """Sum (rows, columns) of the `values` (n,) in each cell."""
+        total: FloatArray = np.bincount(cell, weights=values, minlength=self.size).astype(np.float64, copy=False)
+        return total.reshape(self.shape)
+
+    def mean(self, cell: IntArray, values: FloatArray, empty: float) -> FloatArray:
+        """Mean (rows, columns) of the `values` (n,) in each cell, `empty` where there are none."""
+        count, mean = self.count(cell), np.full(self.shape, empty)
+        np.divide(self.total(cell, values), count, out=mean, where=count > 0)
+        return mean
+
+    def rimmed(self, values: FloatArray, empty: float) -> FloatArray:
+        """`values` (rows, columns), changed in place: `empty` all around."""
+        values[[0, -1]] = empty
+        values[:, [0, -1]] = empty
+        return values
+
+
+def _bounded(values: FloatArray | Float32Array, low: float, cell_m: float, count: int) -> IntArray:
+    """Indices (…) of values in `count` cells from `low`."""
+    index = np.asarray(values - values.dtype.type(low))
+    index /= cell_m
+    return index.clip(0, count - 1, out=index).astype(np.intp)
