@@ -59,5 +59,5 @@ class Funnel:
             finite = nearest if np.isfinite(nearest) else None
             words = miss(nearest)
             reason, cause = words if isinstance(words, Miss) else (words, None)
-            raise NothingLeft(Rejection(stage, reason, finite, float(limit), cause))
+            raise NothingLeft(Rejection(stage=stage, reason=reason, value=finite, limit=float(limit), cause=cause))
         return kept

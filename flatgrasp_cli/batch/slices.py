@@ -60,4 +60,4 @@ def slices_of(item: Input, wanted: Selection) -> list[Slice]:
     if span_ns < count or count == 1:
         return whole
     ends = [start_ns + span_ns * k // count for k in range(count + 1)]
-    return [Slice(item, k, count, ends[k], ends[k + 1]) for k in range(count)]
+    return [Slice(input=item, index=k, count=count, start_ns=ends[k], end_ns=ends[k + 1]) for k in range(count)]

@@ -106,7 +106,14 @@ class Store:
             for path, content in zip(frame.record["pictures"], frame.pictures.values(), strict=True):
                 write_bytes(self._out / path, content)
         refused = sum(frame.record["status"] != "ok" for frame in done.frames)
-        state = InputState(fingerprint, len(done.frames), refused, done.error, done.empty, done.warnings)
+        state = InputState(
+            fingerprint=fingerprint,
+            frames=len(done.frames),
+            refused=refused,
+            error=done.error,
+            empty=done.empty,
+            warnings=done.warnings,
+        )
         lines = (
             line
             for frame in done.frames
@@ -123,7 +130,14 @@ class Store:
         error = next((state.error for state in states if state.error is not None), None) or empty
         warnings = list(dict.fromkeys(text for state in states for text in state.warnings))
         refused = sum(state.refused for state in states)
-        state = InputState(states[0].fingerprint, frames, refused, error, None, warnings)
+        state = InputState(
+            fingerprint=states[0].fingerprint,
+            frames=frames,
+            refused=refused,
+            error=error,
+            empty=None,
+            warnings=warnings,
+        )
         if frames:
             write_text(self._documents_path(item), _renumbered(parts))
         write_text(self._done_path(item), _chain(state.line(), _records(parts)))

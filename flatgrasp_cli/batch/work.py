@@ -60,7 +60,7 @@ def work(job: Job, piece: Slice, plots: bool) -> Done:
             empty = str(nothing)
         except FlatgraspError as problem:
             error = str(problem)
-    return Done(piece, frames, warnings, error, empty)
+    return Done(slice=piece, frames=frames, warnings=warnings, error=error, empty=empty)
 
 
 def _planned(plan: Plan, read_ms: float, plots: bool) -> PlannedFrame:

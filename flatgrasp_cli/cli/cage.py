@@ -82,7 +82,15 @@ def _outlines(source: str, job: Job) -> Iterator[list[_Outline]]:
     stem = names.of_source(source)
     if is_polygon(source):
         exact = {"tolerance_m": 0.0, "noise_m": 0.0, "told_apart_m": 0.0, "max_vertices": 1000}
-        yield [_Outline(stem, source, None, read_polygon(source), caging.model_copy(update=exact))]
+        yield [
+            _Outline(
+                stem=stem,
+                source=source,
+                thing=None,
+                loops=read_polygon(source),
+                settings=caging.model_copy(update=exact),
+            )
+        ]
         return
     warnings = Warnings()
     for cloud, _ in job.clouds(source):
@@ -95,7 +103,9 @@ def _outlines(source: str, job: Job) -> Iterator[list[_Outline]]:
 
 def _of_object(item: ObjectPlan, name: str, source: str, caging: CagingSettings) -> _Outline:
     thing, outline = item.object.id, item.silhouette
-    return _Outline(f"{name}.{thing}", source, thing, outline.loops if outline else (), caging)
+    return _Outline(
+        stem=f"{name}.{thing}", source=source, thing=thing, loops=outline.loops if outline else (), settings=caging
+    )
 
 
 def _print(document: dict[str, Any]) -> None:

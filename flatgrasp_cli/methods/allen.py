@@ -104,20 +104,20 @@ def _shortcoming(region: Any, hands: Hands, k: int, gripper: Gripper, settings: 
     for side, offsets in ((-1.0, gripper.jaws[0]), (1.0, gripper.jaws[1])):
         for offset in offsets:
             left, right = offset - 0.5 * gripper.finger_width_m, offset + 0.5 * gripper.finger_width_m
-            box = _rectangle(hands, k, (left, right), (side * far, side * (far + gripper.finger_thickness_m)))
+            box = _placed(shapely.box(left, side * far, right, side * (far + gripper.finger_thickness_m)), hands, k)
             if shapely.area(shapely.intersection(region, box)) > THIN_M * gripper.finger_width_m:
                 size = f"{gripper.finger_width_m:.3f} m × {gripper.finger_thickness_m:.3f} m"
                 return f"a finger of {size} meets the object"
             near = far - 2 * settings.hand.contact_tolerance_m
-            pad = _rectangle(hands, k, (left, right), (side * near, side * far))
+            pad = _placed(shapely.box(left, side * near, right, side * far), hands, k)
             if shapely.area(shapely.intersection(region, pad)) < settings.hand.variance_max_share * shapely.area(pad):
                 return "the outline is too narrow there for a pad to press on"
     return None
 
 
-def _rectangle(hands: Hands, k: int, x: tuple[float, float], y: tuple[float, float]) -> Any:
+def _placed(shape: Any, hands: Hands, k: int) -> Any:
+    """A shape in the frame of hand `k`, x across and y along its closing axis, in the plane."""
     import shapely
 
-    across = left_normal(hands.axis[k : k + 1])[0]
-    corners = [(x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])]
-    return shapely.Polygon([hands.center[k] + a * across + b * hands.axis[k] for a, b in corners])
+    axes = np.stack([left_normal(hands.axis[k : k + 1])[0], hands.axis[k]])
+    return shapely.transform(shape, lambda corners: hands.center[k] + corners @ axes)

@@ -8,9 +8,23 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.polygon import dot, left_normal
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates
 from flatgrasp_cli.profiles.gripper import Gripper
+from flatgrasp_cli.profiles.settings import HandSettings
 
 HALF_WIDTH_AND_MORE = 0.5 + 1e-6
 """Half a finger's width, its very edges included."""
+
+
+def touching(
+    grasps: GraspCandidates, fingers: FingerCandidates, gripper: Gripper, settings: HandSettings
+) -> GraspCandidates:
+    """The final grasps with what their pads touch, and how far the boundary strays from them."""
+    width = np.stack([fingers.width[grasps.i], fingers.width[grasps.j]], axis=1)
+    return grasps.having(
+        contacts=pad_contacts(fingers, grasps, gripper, settings.contact_tolerance_m),
+        touched_m=np.minimum(gripper.finger_width_m, width),  # a small object meets less of the pads
+        variance=fingers.variance[grasps.i] + fingers.variance[grasps.j],
+        arc_ratio=np.maximum(fingers.arc_ratio[grasps.i], fingers.arc_ratio[grasps.j]),
+    )
 
 
 def pad_contacts(

@@ -90,31 +90,33 @@ def _candidates_of_loop(
         width=width,
         jaw=jaw[found],
         arcs=arcs,
-        variance=_variance(loop, (begins, ends), (start, normal), arcs, settings),
+        variance=_hull_points_sum(loop, begins, ends, start, normal)
+        if settings.variance == "sum"
+        else _variance(polygon.dot(arcs - start[:, None], normal[:, None]), settings.variance),
         arc_ratio=(ends - begins) / width,
         hidden=np.zeros(len(begins)),
         seen=np.ones(len(begins), dtype=np.bool_),
     )
 
 
-def _variance(
-    loop: FloatArray,
-    span: tuple[FloatArray, FloatArray],
-    chord: tuple[FloatArray, FloatArray],
-    arcs: FloatArray,
-    settings: FingerSettings,
+def _hull_points_sum(
+    loop: FloatArray, begins: FloatArray, ends: FloatArray, start: FloatArray, normal: FloatArray
 ) -> FloatArray:
-    """§III.B.4: how far the boundary of each candidate strays from its chord (start, normal), metres (m,)."""
-    start, normal = chord
-    if settings.variance == "sum":  # the paper's plain sum over the hull's points
-        row, vertex = polygon.vertices_between(loop, *span)
-        distance = np.abs(polygon.dot(loop[vertex] - start[row], normal[row]))
-        return np.bincount(row, weights=distance, minlength=len(start)).astype(np.float64)
-    offset = polygon.dot(arcs - start[:, None], normal[:, None])
-    if settings.variance == "max":
+    """§III.B.4 to the letter: the plain sum (m,) of the distances of the hull's points from each candidate's chord.
+
+    The points lie between the arc lengths `begins` and `ends` (m,); the chord is given by its `start` and `normal`.
+    """
+    row, vertex = polygon.vertices_between(loop, begins, ends)
+    distance = np.abs(polygon.dot(loop[vertex] - start[row], normal[row]))
+    return np.bincount(row, weights=distance, minlength=len(start)).astype(np.float64)
+
+
+def _variance(offset: FloatArray, method: str) -> FloatArray:
+    """How far (m,) the boundary strays from each candidate's chord, metres, by its `offset` (m, k) along the arc."""
+    if method == "max":
         return np.asarray(np.abs(offset).max(axis=1))
     middles = 0.5 * np.abs(offset[:, :-1] + offset[:, 1:])  # of equally long pieces of boundary
-    return np.asarray(np.sqrt((middles**2).mean(axis=1)) if settings.variance == "rms" else middles.mean(axis=1))
+    return np.asarray(np.sqrt((middles**2).mean(axis=1)) if method == "rms" else middles.mean(axis=1))
 
 
 def inward_directions(

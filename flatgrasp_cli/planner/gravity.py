@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
-from flatgrasp_cli.geometry.polygon import area_centroid, cross
-from flatgrasp_cli.model import FingerCandidates, GraspCandidates, GravityCenter, Silhouette
+from flatgrasp_cli.geometry.polygon import area_centroid, cross, share_inside
+from flatgrasp_cli.model import FingerCandidates, GraspCandidates, GravityCenter, PlaneShape, Silhouette
 from flatgrasp_cli.profiles.settings import GravitySettings
 
 
@@ -18,6 +18,14 @@ def gravity_center(whole: Silhouette, settings: GravitySettings) -> GravityCente
     """
     points = whole.points.mean(axis=0)
     return GravityCenter(area_centroid(whole.loops) if whole.loops else points, points, settings.center)
+
+
+def weighed(fingers: FingerCandidates, grasps: GraspCandidates, shape: PlaneShape) -> GraspCandidates:
+    """The pairs with their gravity distance and with the share of their grasping line that lies in the object."""
+    return grasps.having(
+        gravity_distance=gravity_distance(fingers, grasps, shape.gravity_center.place),
+        inside_share=share_inside(shape.silhouette.loops, fingers.contact[grasps.i], fingers.contact[grasps.j]),
+    )
 
 
 def gravity_distance(fingers: FingerCandidates, grasps: GraspCandidates, center: FloatArray) -> FloatArray:

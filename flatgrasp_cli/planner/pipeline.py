@@ -5,13 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from flatgrasp_cli.funnel import Funnel
-from flatgrasp_cli.geometry.polygon import share_inside
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates, PlaneShape
 from flatgrasp_cli.planner.balance import force_balance, force_balanced, torque_balanced
-from flatgrasp_cli.planner.contacts import pad_contacts
+from flatgrasp_cli.planner.contacts import touching
 from flatgrasp_cli.planner.fingers import finger_candidates, inward_directions, step_points
 from flatgrasp_cli.planner.grasping_range import closing_axes, in_range, on_pads
-from flatgrasp_cli.planner.gravity import best_first, gravity_distance
+from flatgrasp_cli.planner.gravity import best_first, weighed
 from flatgrasp_cli.planner.operability import operable
 from flatgrasp_cli.planner.variance import flat
 from flatgrasp_cli.profiles.gripper import Gripper
@@ -30,19 +29,12 @@ def section_three(
 ) -> GraspCandidates:
     """The best `top` grasps of an object, after A.1 and A.2, which made its `shape`.
 
-    How many candidates each step keeps goes into the `funnel`, which ends the method where none is left by raising
-    `NothingLeft`; what it saw on the way, into the funnel's trace.
+    The `funnel` counts what each step keeps, and raises `NothingLeft` where that is nothing.
     """
-    outline, center, trace = shape.silhouette, shape.gravity_center.place, funnel.trace
+    outline, trace = shape.silhouette, funnel.trace
     # A.3 step points, finger candidates, grasping directions
-    steps = step_points(outline, settings.fingers)
-    funnel.count("step_points", sum(len(step.points) for step in steps), "the outline has no step point")
-    chords = finger_candidates(outline, steps, gripper, settings.fingers)
-    funnel.count("finger_candidates", len(chords), _no_finger_place(shape, gripper))
-    fingers, doubted = inward_directions(outline, chords, settings.fingers, settings.seed)
-    funnel.count("grasping_direction", len(fingers), "no finger candidate has the object before it")
-    fingers = surroundings.sides(fingers, funnel)
-    trace.steps, trace.fingers, trace.doubted_directions = steps, fingers, doubted
+    fingers = _fingers(shape, gripper, settings, funnel)
+    fingers = trace.fingers = surroundings.sides(fingers, funnel)
 
     # B.1 force balance of all pairs; B.2 torque balance
     gamma_deg = trace.force_balance_deg = force_balance(fingers)
@@ -59,30 +51,23 @@ def section_three(
     grasps = surroundings.approached(outline, fingers, grasps, gripper, funnel)
 
     # C gravity, and the final grasp
-    grasps = grasps.having(
-        gravity_distance=gravity_distance(fingers, grasps, center),
-        inside_share=share_inside(outline.loops, fingers.contact[grasps.i], fingers.contact[grasps.j]),
-    )
-    cost = grasp_cost(fingers, grasps, center, settings.gravity) + surroundings.cost(grasps)
-    grasps = grasps.having(cost=cost)
+    grasps = weighed(fingers, grasps, shape)
+    grasps = grasps.having(cost=grasp_cost(fingers, grasps, shape, settings.gravity) + surroundings.cost(grasps))
     grasps = grasps.select(best_first(grasps))
     trace.ranked, trace.gravity_distance_m = np.column_stack([grasps.i, grasps.j]), grasps.gravity_distance
-    return _touching(
-        grasps.select(np.arange(min(top, len(grasps)))), fingers, gripper, settings.hand.contact_tolerance_m
-    )
+    return touching(grasps.select(np.arange(min(top, len(grasps)))), fingers, gripper, settings.hand)
 
 
-def _touching(
-    grasps: GraspCandidates, fingers: FingerCandidates, gripper: Gripper, tolerance_m: float
-) -> GraspCandidates:
-    """The final grasps with what their pads touch, boundary within `tolerance_m` of it counting as touched."""
-    touched = np.stack([fingers.width[grasps.i], fingers.width[grasps.j]], axis=1)
-    return grasps.having(
-        contacts=pad_contacts(fingers, grasps, gripper, tolerance_m),
-        touched_m=np.minimum(gripper.finger_width_m, touched),
-        variance=fingers.variance[grasps.i] + fingers.variance[grasps.j],
-        arc_ratio=np.maximum(fingers.arc_ratio[grasps.i], fingers.arc_ratio[grasps.j]),
-    )
+def _fingers(shape: PlaneShape, gripper: Gripper, settings: PlannerSettings, funnel: Funnel) -> FingerCandidates:
+    """§III.A.3: places for a finger all along the boundary, the object before each of them."""
+    outline, trace = shape.silhouette, funnel.trace
+    steps = trace.steps = step_points(outline, settings.fingers)
+    funnel.count("step_points", sum(len(step.points) for step in steps), "the outline has no step point")
+    chords = finger_candidates(outline, steps, gripper, settings.fingers)
+    funnel.count("finger_candidates", len(chords), _no_finger_place(shape, gripper))
+    fingers, trace.doubted_directions = inward_directions(outline, chords, settings.fingers, settings.seed)
+    funnel.count("grasping_direction", len(fingers), "no finger candidate has the object before it")
+    return fingers
 
 
 def _no_finger_place(shape: PlaneShape, gripper: Gripper) -> str:

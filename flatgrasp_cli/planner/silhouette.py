@@ -34,7 +34,9 @@ def silhouette(
     alpha_m, member = _one_piece(projected, alpha_m, settings.min_coverage)
     region = alpha_region(projected[member], alpha_m)
     loops = _loops(region, settings) if region is not None else ()
-    return Silhouette(frame, loops, projected, heights, alpha_m, float(member.mean()))
+    return Silhouette(
+        frame=frame, loops=loops, points=projected, heights=heights, alpha_m=alpha_m, coverage=float(member.mean())
+    )
 
 
 def without_strays(points: FloatArray, settings: SilhouetteSettings) -> FloatArray:

@@ -100,7 +100,9 @@ def _lifted(answer: Answer, grasps: GraspCandidates, plane: Frame, gripper: Grip
     axes[:, 0], axes[:, 1] = left_normal(grasps.axis) @ plane.axes[:2], grasps.axis @ plane.axes[:2]
     axes[:, 2] = -plane.axes[2]
     tips = tuple(Pose(where, quaternion_from_axes(turn)) for where, turn in zip(position, axes, strict=True))
-    return _Lifted(grasps, answer.certificates, tips, contacts, gripper, motion)
+    return _Lifted(
+        grasps=grasps, certificates=answer.certificates, tips=tips, contacts=contacts, gripper=gripper, motion=motion
+    )
 
 
 def _motion(cloud: ObjectCloud, plane: Frame, gripper: Gripper, settings: PlannerSettings) -> Motion:

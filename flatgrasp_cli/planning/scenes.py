@@ -71,27 +71,32 @@ def plan(
     ----------
     cloud
         From `read_clouds`, or made of an array of points in metres: `Cloud(points)`.
-    gripper
-        From `load_gripper`.
-    settings
-        From `load_settings`; the shipped defaults when None.
+    gripper, settings
+        From `load_gripper` and `load_settings`; the shipped settings when None.
     top
         How many grasps of each object to keep, best first.
     robot
-        From `load_robot`: only grasps that it reaches are kept. The cloud must be in its base frame, where
-        `in_base_frame` brings it.
+        From `load_robot`: only grasps that it reaches are kept. The cloud must be in its base frame (`in_base_frame`).
     """
     resolved = (settings or load_settings()).resolve(gripper)
     began = time.perf_counter()
     cloud = located(without_far_strays(without_repeats(cloud)), resolved.scene.up, resolved.seed)
     scene = segment(cloud, resolved.scene, resolved.seed)
-    if robot is not None:
-        scene = replace(scene, warnings=(*scene.warnings, *_table_tilted(scene.support)))
+    scene = replace(scene, warnings=(*scene.warnings, *_table_tilted(scene.support))) if robot else scene
     segmented = time.perf_counter()
     plans = [plan_object(item, gripper, resolved, top, robot) for item in scene.objects]
     objects = tuple(sorted(plans, key=_best_first))
     scene_ms, plan_ms = 1e3 * (segmented - began), 1e3 * (time.perf_counter() - segmented)
-    return Plan(cloud, gripper, robot, resolved, scene, objects, scene_ms, plan_ms)
+    return Plan(
+        cloud=cloud,
+        gripper=gripper,
+        robot=robot,
+        settings=resolved,
+        scene=scene,
+        objects=objects,
+        scene_ms=scene_ms,
+        plan_ms=plan_ms,
+    )
 
 
 def in_base_frame(cloud: Cloud, camera: CameraPose, frame_id: str) -> Cloud:

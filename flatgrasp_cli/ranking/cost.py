@@ -6,7 +6,7 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.polygon import dot, left_normal
-from flatgrasp_cli.model import FingerCandidates, GraspCandidates
+from flatgrasp_cli.model import FingerCandidates, GraspCandidates, PlaneShape
 from flatgrasp_cli.profiles.settings import GravitySettings
 
 MISSES_M, MISS_STEP_M, MISS_DEG = (-0.010, -0.005, 0.005, 0.010), 0.003, 15.0
@@ -17,16 +17,16 @@ MOST_FRICTION = 10.0
 
 
 def grasp_cost(
-    fingers: FingerCandidates, grasps: GraspCandidates, center: FloatArray, settings: GravitySettings
+    fingers: FingerCandidates, grasps: GraspCandidates, shape: PlaneShape, settings: GravitySettings
 ) -> FloatArray:
-    """What p pairs cost by themselves, metres (p,), the object's centre of gravity being at `center` (2,)."""
+    """What p pairs cost on an object of that shape, metres (p,)."""
     friction = np.minimum(grasps.required_friction, MOST_FRICTION)
     gap = settings.gap_weight * (1 - grasps.inside_share) * grasps.distance
     in_holes = (fingers.loop[grasps.i] > 0).astype(np.float64) + (fingers.loop[grasps.j] > 0)
     cost = (
         grasps.gravity_distance
         + gap
-        + settings.overhang_weight * overhang(fingers, grasps, center)
+        + settings.overhang_weight * overhang(fingers, grasps, shape.gravity_center.place)
         + settings.hole_cost_m * in_holes
         + settings.width_weight * grasps.width
         + settings.friction_weight_m * friction**2

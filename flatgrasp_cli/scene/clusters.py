@@ -83,7 +83,7 @@ def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettin
     return Clusters(
         members=tuple(rows[piece == name] for name in chosen),
         clutter=rows[~np.isin(piece, chosen)],
-        floor=_floor(frame, found, total, (rows, heights[rows])),
+        floor=_floor(frame, found, total, rows, heights[rows]),
         lie_on_table=bool(chosen) and _outside_share(labels, chosen, table) >= LEAST_OUTSIDE,
         extent_m=float(found.raster.cell_m * np.hypot(*_span(table))),
     )
@@ -119,12 +119,11 @@ def _sorted(points: FloatArray, frame: Frame, raster: Raster, lowest_m: float) -
     return SortedPoints.of(raster, cell), heights
 
 
-def _floor(frame: Frame, found: SortedPoints, total: FloatArray, above: tuple[IntArray, FloatArray]) -> Floor:
+def _floor(frame: Frame, found: SortedPoints, total: FloatArray, rows: IntArray, heights: FloatArray) -> Floor:
     """The cells with points of the plane, at the mean height of those around: a point's own is mostly noise.
 
-    `total` is the sum of all heights in each cell, `above` the rows and heights of the points that are not the plane's.
+    `total` is the sum of all heights in each cell, `rows` and `heights` belong to points that are not the plane's.
     """
-    rows, heights = above
     cell = found.cell[rows]
     count = found.count - np.bincount(cell, minlength=found.count.size).reshape(found.count.shape)
     mean = (total - found.total(heights, cell)) / np.maximum(count, 1)

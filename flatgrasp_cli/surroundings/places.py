@@ -23,7 +23,7 @@ from flatgrasp_cli.surroundings.interface import Surroundings
 from flatgrasp_cli.surroundings.maps import HeightMaps
 from flatgrasp_cli.surroundings.on_support import OnSupport
 from flatgrasp_cli.surroundings.sight import BEHIND_M
-from flatgrasp_cli.surroundings.slices import lowest_tip, slices, top_of
+from flatgrasp_cli.surroundings.slices import Slice, lowest_tip, slices, top_of
 from flatgrasp_cli.surroundings.view import View
 
 PALM_CELL_M = 0.005
@@ -80,25 +80,32 @@ def _slices(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, setting
     highest = others.raised(local)
     coarse = HeightMap.of(np.concatenate([local, obstacles]), max(PALM_CELL_M, cell_m))
     average = highest.averaged(local)
-    whole = OnSupport(
-        level_m=0.0,
-        lowest_m=float(lowest_tip(top_of(local[:, 2]), settings.depth)),
+    lowest = float(lowest_tip(top_of(local[:, 2]), settings.depth))
+    around = OnSupport(
+        level_m=lowest,
+        lowest_m=lowest,
         ground_m=settings.depth.min_clearance_m,
         maps=HeightMaps(surface=average, average=average, rest=others, highest=highest, coarse=coarse),
         view=_view(cloud, frame, cell_m),
         settings=settings,
     )
-    found = []
-    for piece in slices(local, cell_m, settings.depth):
-        if len(piece.rows) == len(local):
-            found.append(Place(box, frame, cloud.points, replace(whole, level_m=piece.level_m), spacing_m))
-            continue
-        apart = np.ones(len(local), dtype=np.bool_)
-        apart[piece.rows] = False
-        maps = replace(whole.maps, surface=highest.averaged(local[piece.rows]), rest=others.raised(local[apart]))
-        around = replace(whole, level_m=piece.level_m, maps=maps)
-        found.append(Place(box, frame, cloud.points[piece.rows], around))
-    return found
+    whole = Place(box=box, frame=frame, points=cloud.points, surroundings=around, spacing_m=spacing_m)
+    _, *upper = slices(local, cell_m, settings.depth)
+    return [whole, *(_above(whole, around, local, piece) for piece in upper)]
+
+
+def _above(whole: Place, around: OnSupport, local: FloatArray, piece: Slice) -> Place:
+    """A slice of an object whose points are `local` (n, 3) in the plane: all the rest of it may be in the way."""
+    apart = np.ones(len(local), dtype=np.bool_)
+    apart[piece.rows] = False
+    surface, rest = around.maps.highest.averaged(local[piece.rows]), around.maps.rest.raised(local[apart])
+    maps = replace(around.maps, surface=surface, rest=rest)
+    return Place(
+        box=whole.box,
+        frame=whole.frame,
+        points=whole.points[piece.rows],
+        surroundings=replace(around, level_m=piece.level_m, maps=maps),
+    )
 
 
 def from_the_side(cloud: ObjectCloud, box: OrientedBox, settings: PlannerSettings) -> Place:

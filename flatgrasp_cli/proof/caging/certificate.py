@@ -59,16 +59,29 @@ def prove(loops: Sequence[FloatArray], hands: Hands, gripper: Gripper, settings:
     if outline is None or outline.convex:
         reason = "convex outline: two fingers never cage it" if outline else "the outline crosses itself"
         no = np.zeros(len(hands), dtype=np.bool_)
-        return Proof(loops, gripper, outward, Limits(nothing, nothing, nothing, nothing, no, no), nothing, reason)
+        return Proof(
+            loops=loops,
+            gripper=gripper,
+            outward=outward,
+            limits=Limits(opening=nothing, escape=nothing, merge=nothing, bottom=nothing, meets=no, caged=no),
+            sure=nothing,
+            reason=reason,
+        )
     points, aside = pad_points(hands, gripper)
     found = _openings(caging_of(outline.boundary, settings), points, aside)
     best = _farthest(found, outward=outward)
     found = _pick(found, best)
     eroded = outline.eroded(settings.noise_m) if found.caged.any() else None
     if eroded is None:
-        return Proof(loops, gripper, outward, found, nothing)
+        return Proof(loops=loops, gripper=gripper, outward=outward, limits=found, sure=nothing)
     proof = _pick(_openings(caging_of(eroded, settings), points, aside), best)
-    return Proof(loops, gripper, outward, found, np.where(found.caged & proof.caged, proof.escape, np.nan))
+    return Proof(
+        loops=loops,
+        gripper=gripper,
+        outward=outward,
+        limits=found,
+        sure=np.where(found.caged & proof.caged, proof.escape, np.nan),
+    )
 
 
 def caging_of(boundary: Boundary, settings: CagingSettings) -> Caging:

@@ -85,7 +85,7 @@ def squeezing(boundary: Boundary, told_apart: float) -> Caging:
     minima = Contacts(vertex, edge, where[vertex, edge])
     tunnels = _closing_tunnels(boundary, minima, distance[vertex, edge], of_side)
     levels = merge_levels(found.lowest, [found.links, ends, tunnels], told_apart)
-    return Caging(boundary, land, found, levels, minima, stretching=False)
+    return Caging(boundary=boundary, land=land, basins=found, levels=levels, minima=minima, stretching=False)
 
 
 def _closing_tunnels(boundary: Boundary, minima: Contacts, sigma: FloatArray, basin: IntArray) -> Links:

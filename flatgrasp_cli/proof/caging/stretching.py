@@ -28,7 +28,14 @@ def stretching(boundary: Boundary, told_apart: float) -> Caging:
     first, second = true_entries((birth <= found.lowest[found.of_node]) & (birth < 0))  # both orders: each finger moves
     tunnels = _opening_tunnels(boundary, first, second, found.of_node)
     levels = merge_levels(found.lowest, [found.links, tunnels], told_apart)
-    return Caging(boundary, land, found, levels, Contacts(first, second, np.zeros(len(first))), stretching=True)
+    return Caging(
+        boundary=boundary,
+        land=land,
+        basins=found,
+        levels=levels,
+        minima=Contacts(first, second, np.zeros(len(first))),
+        stretching=True,
+    )
 
 
 def _opening_tunnels(boundary: Boundary, vertex: IntArray, other: IntArray, basin: IntArray) -> Links:

@@ -35,7 +35,7 @@ def tolerances(loops: Sequence[FloatArray], hands: Hands, boxes: Sequence[Box]) 
     position = np.where(free, position, 0.0)
     along, across = np.where(free, _shifts(x, y, breaks, boxes), 0.0)
     lever = np.max([np.hypot(corner_x, corner_y) for box in boxes for corner_x, corner_y in box.corners], axis=0)
-    turn = np.where(free, _turn((x, y), breaks, boxes, lever, position), 0.0)
+    turn = np.where(free, _turn(Chain(x, y, slopes(x, y), breaks), boxes, lever, position), 0.0)
     figures = np.column_stack([position, along, across, np.degrees(turn), lever])
     return tuple(Tolerance(*row) for row in figures.tolist())
 
@@ -89,14 +89,13 @@ def _gap(outline: Chain, box: Box) -> FloatArray:
 
 
 def _turn(
-    outline: tuple[FloatArray, FloatArray],
-    breaks: IntArray,
+    outline: Chain,
     boxes: Sequence[Box],
     lever: FloatArray,
     clearance: FloatArray,
 ) -> FloatArray:
     """How far (k,) the hands can turn both ways, radians: no point of a finger moves faster than `lever` (k,) does."""
-    x, y = (np.tile(each, 2) for each in outline)
+    x, y = (np.tile(each, 2) for each in (outline.x, outline.y))
     both = [Box(box.low, box.high, np.tile(box.near, 2), np.tile(box.far, 2)) for box in boxes]
     lever, left = np.tile(lever, 2), np.tile(clearance, 2)
     way = np.repeat([1.0, -1.0], len(clearance))
@@ -104,7 +103,7 @@ def _turn(
     for _ in range(TURNS):
         angle = np.minimum(angle + left / lever, MOST_TURN)
         cosine, sine = np.cos(angle), way * np.sin(angle)
-        left = _clearance(cosine * x + sine * y, cosine * y - sine * x, breaks, both)
+        left = _clearance(cosine * x + sine * y, cosine * y - sine * x, outline.breaks, both)
         if (left < LEFT_M).all():
             break
     return np.asarray(angle.reshape(2, -1).min(axis=0))
