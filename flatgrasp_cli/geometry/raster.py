@@ -8,8 +8,6 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import Float32Array, FloatArray, IntArray
 
-RIM = 1 + 1e-6
-"""Cells before the first point: a little more than one, for rounding must not put it into the rim."""
 MAX_CELLS = 4_000_000
 """Cells that a raster may have: 32 MB of numbers."""
 
@@ -29,8 +27,13 @@ class Raster:
     def over(cls, low: FloatArray, high: FloatArray, cell_m: float, most: int = MAX_CELLS) -> Raster:
         """The raster over an area (2,), (2,) with its rim; cells are made larger if there would be more than `most`."""
         cell_m = max(cell_m, float(np.sqrt(np.prod(high - low + cell_m) / most)))
-        rows, columns = (((high - low) / cell_m).astype(np.intp) + 4).tolist()
-        return cls(low - RIM * cell_m, cell_m, (rows, columns))
+        rows, columns = (((high - low) / cell_m).astype(np.intp) + 3).tolist()
+        return cls(low - cell_m, cell_m, (rows, columns))
+
+    @property
+    def inside(self) -> tuple[FloatArray, FloatArray]:
+        """The corners (2,), (2,) of the cells that are not the rim's."""
+        return self.origin + self.cell_m, self.origin + self.cell_m * (np.array(self.shape) - 1)
 
     @property
     def size(self) -> int:

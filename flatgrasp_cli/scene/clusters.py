@@ -108,7 +108,7 @@ def _sorted(points: FloatArray, frame: Frame, raster: Raster, lowest_m: float) -
     """
     cell, heights = np.empty(len(points), dtype=np.intp), np.empty(len(points))
     offset = float(frame.axes[2] @ frame.origin)
-    low, high = raster.origin + raster.cell_m, raster.origin + raster.cell_m * (np.array(raster.shape) - 1)
+    low, high = raster.inside
     for first in range(0, len(points), BLOCK):
         part = slice(first, first + BLOCK)
         block = points[part]
