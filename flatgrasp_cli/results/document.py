@@ -9,12 +9,14 @@ import json
 import math
 from collections.abc import Callable
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any, Literal, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import numpy as np
 
+from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.model import (
     Grasp,
+    GravityCenter,
     ObjectPlan,
     OrientedBox,
     Pose,
@@ -25,7 +27,6 @@ from flatgrasp_cli.model import (
     Silhouette,
     SupportPlane,
 )
-from flatgrasp_cli.planner.gravity import gravity_center
 from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.results.contracts import (
     SCHEMA_ID,
@@ -138,8 +139,8 @@ def _object(item: ObjectPlan, plan: Plan) -> ObjectPart:
         obb=_optional(_box, box),
         aabb=_optional(_aabb, box),
         silhouette=None if outline is None else _silhouette(outline, trace.level_m),
-        gravity_center=_gravity(outline, plan.settings.gravity.center)
-        if outline is not None and outline.loops
+        gravity_center=_gravity(outline.frame, trace.gravity_center)
+        if outline is not None and outline.loops and trace.gravity_center is not None
         else None,
         fingers=FingersPart(
             step_m=_number(trace.steps[0].step_m) if trace.steps else None, doubted_directions=trace.doubted_directions
@@ -173,13 +174,12 @@ def _silhouette(outline: Silhouette, level_m: float | None) -> SilhouettePart:
     )
 
 
-def _gravity(outline: Silhouette, used: Literal["area", "points"]) -> GravityPart:
-    area, points = (gravity_center(outline, method) for method in ("area", "points"))
+def _gravity(plane: Frame, center: GravityCenter) -> GravityPart:
     return GravityPart(
-        area=_numbers(outline.frame.to_world(area)),
-        points=_numbers(outline.frame.to_world(points)),
-        distance_m=_number(float(np.linalg.norm(area - points))),
-        used=used,
+        area=_numbers(plane.to_world(center.area)),
+        points=_numbers(plane.to_world(center.points)),
+        distance_m=_number(float(np.linalg.norm(center.area - center.points))),
+        used=center.used,
     )
 
 
