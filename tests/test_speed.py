@@ -22,7 +22,7 @@ from scipy.spatial import Delaunay, KDTree
 
 from flatgrasp_cli import Plan, load_gripper, load_settings, plan, read_clouds
 from flatgrasp_cli.geometry.alpha_shape import alpha_region
-from flatgrasp_cli.geometry.arrays import FloatArray, distinct
+from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Cloud, Grasp
@@ -210,11 +210,6 @@ def test_figures_are_imported_without_docstrings_and_nothing_else_changes() -> N
         "assert 'flatgrasp_cli.results.figures' in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
-
-
-@pytest.mark.parametrize("values", [[], [3], [2, 1, 2, 2, 0, 1], [0.5, -1.0, 0.5]])
-def test_distinct_values_are_those_of_numpy(values: list[float]) -> None:
-    assert distinct(np.array(values)).tolist() == np.unique(values).tolist()
 
 
 def test_a_picture_has_the_pixels_that_savefig_writes(pr2: Gripper) -> None:

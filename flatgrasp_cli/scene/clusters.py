@@ -8,7 +8,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray, distinct
+from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.frames import Frame, frame_on_plane
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 from flatgrasp_cli.geometry.sampling import spread_indices
@@ -219,7 +219,7 @@ def _sectors(low: IntArray, high: IntArray, middle: FloatArray, table: BoolArray
     start, end = np.maximum(low - round(reach), 0), high + round(reach)
     row, column = np.nonzero(table[start[0] : end[0], start[1] : end[1]])
     angle = np.arctan2(row + start[0] - middle[0], column + start[1] - middle[1])
-    return len(distinct(np.floor(angle * SECTORS / (2 * np.pi)) % SECTORS))
+    return len(np.unique(np.floor(angle * SECTORS / (2 * np.pi)) % SECTORS))
 
 
 def _outside_share(labels: IntArray, chosen: list[int], table: BoolArray) -> float:

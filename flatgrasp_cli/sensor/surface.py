@@ -13,7 +13,7 @@ from typing import Any, Literal
 import cv2
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray, distinct
+from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.frames import frame_on_plane
 from flatgrasp_cli.geometry.planes import consensus_plane
 from flatgrasp_cli.geometry.range_image import RangeImage
@@ -144,7 +144,7 @@ def _filled(sheet: FloatArray, area: float) -> bool:
     """Whether places (n, 2) of a plane's own points fill their convex hull, of that area, as a table's do."""
     cell = np.sqrt(FILL_POINTS * area / len(sheet))
     row, column = ((sheet - sheet.min(axis=0)) / cell).astype(np.intp).T
-    filled = len(distinct(row * (int(column.max()) + 1) + column))
+    filled = len(np.unique(row * (int(column.max()) + 1) + column))
     return bool(filled * cell**2 >= LEAST_FILLED * area)
 
 
@@ -153,7 +153,7 @@ def _surrounded(sheet: FloatArray, standing: FloatArray) -> bool:
     middle = standing.mean(axis=0)
     away, apart = (np.hypot(*(places - middle).T) for places in (sheet, standing))
     x, y = (sheet[away > max(AROUND * float(np.median(apart)), AROUND_M)] - middle).T
-    return len(distinct(np.floor(np.arctan2(y, x) * SECTORS / (2 * np.pi)) % SECTORS)) >= LEAST_SECTORS
+    return len(np.unique(np.floor(np.arctan2(y, x) * SECTORS / (2 * np.pi)) % SECTORS)) >= LEAST_SECTORS
 
 
 def _hull(places: FloatArray) -> Any:

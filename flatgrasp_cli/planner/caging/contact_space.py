@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import FloatArray, IntArray, distinct, true_entries
+from flatgrasp_cli.geometry.arrays import FloatArray, IntArray, true_entries
 from flatgrasp_cli.planner.caging.boundary import Boundary
 from flatgrasp_cli.planner.caging.merge_tree import (
     ESCAPE,
@@ -76,7 +76,7 @@ def squeezing(boundary: Boundary, told_apart: float) -> Caging:
     np.fill_diagonal(birth, 0.0)
     land = Landscape(birth, distance[follow], follow, back)
     found = basins(land)
-    coincide = distinct(found.of_node.diagonal())
+    coincide = np.unique(found.of_node.diagonal())
     ends = (coincide, np.full(len(coincide), ESCAPE), np.zeros(len(coincide)))
     of_side = found.of_node  # of vertex a and edge j: that of edges a and j, for they hold that placement
     floor = found.lowest[of_side]
