@@ -50,7 +50,7 @@ def test_no_number_is_cut_however_narrow_it_is(
 
 
 def test_a_grasp_is_one_line_of_what_the_document_says(run: Run) -> None:
-    aloof = "hand.clearance_m=0.015"
+    aloof = "hand.clearance_m=0.025"
     done = run("plan", SCENE, "--plots", "none", "--gripper", "pr2", "--set", aloof)
     settings = load_settings("default", (aloof,))
     (result,) = [plan(cloud, load_gripper("pr2"), settings) for cloud in read_clouds(SCENE)]
