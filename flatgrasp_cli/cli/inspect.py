@@ -125,6 +125,6 @@ def _where(sensor: dict[str, Any]) -> str:
 def _plain(text: str) -> str:
     from rich.markup import escape
 
-    from flatgrasp_cli.sources.containers import printable
+    from flatgrasp_cli.recordings.containers import printable
 
     return escape(printable(text))

@@ -8,8 +8,8 @@ from typing import Literal
 
 from flatgrasp_cli.errors import SourceError, UsageError
 from flatgrasp_cli.model import Cloud, Source
-from flatgrasp_cli.sources.containers import is_recording
-from flatgrasp_cli.sources.containers.rosbag2 import METADATA, storage_files
+from flatgrasp_cli.recordings.containers import is_recording
+from flatgrasp_cli.recordings.containers.rosbag2 import METADATA, storage_files
 from flatgrasp_cli.sources.depth_files import SUFFIXES as IMAGES
 from flatgrasp_cli.sources.depth_files import DepthFiles
 from flatgrasp_cli.sources.files import SUFFIXES as CLOUDS

@@ -46,7 +46,7 @@ def read_clouds(
     UsageError
         If a depth image is given without its camera's intrinsics, or a file is to say where a frame is.
     """
-    from flatgrasp_cli.sources.containers import is_recording
+    from flatgrasp_cli.recordings.containers import is_recording
     from flatgrasp_cli.sources.files import read_file
     from flatgrasp_cli.sources.folders import folder_images, kind_of_folder
 

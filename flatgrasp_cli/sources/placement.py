@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from flatgrasp_cli.model import SENSOR_FROM_TF, Cloud, CloudWarning, Sensor
+from flatgrasp_cli.recordings.containers.recording import Message, Recording
+from flatgrasp_cli.recordings.messages import MessageError
 from flatgrasp_cli.sensor.frame_names import has_z_up, is_optical
-from flatgrasp_cli.sources.containers.recording import Message, Recording
 from flatgrasp_cli.sources.depth_axes import AXES_ASSUMED, axes_by_transforms, axes_matter, in_body_axes
-from flatgrasp_cli.sources.messages import MessageError
 from flatgrasp_cli.sources.selection import Selection
 from flatgrasp_cli.sources.transforms import REMEDY, MissingTransform, Route, TransformBuffer
 

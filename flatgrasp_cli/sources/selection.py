@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Literal
 from flatgrasp_cli.errors import UsageError
 
 if TYPE_CHECKING:
-    from flatgrasp_cli.sources.messages.camera_info import CameraInfo
+    from flatgrasp_cli.recordings.messages.camera_info import CameraInfo
 
 DepthAxes = Literal["optical", "body"]
 NS = 1_000_000_000

@@ -8,7 +8,7 @@ from typing import Any
 
 from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion
 from flatgrasp_cli.model import CloudWarning
-from flatgrasp_cli.sources.messages.decoded import frame_name
+from flatgrasp_cli.recordings.messages.decoded import frame_name
 from flatgrasp_cli.sources.transforms.links import Link, Links, When
 from flatgrasp_cli.sources.transforms.routes import IDENTITY, REMEDY, Attempt, Chain, MissingTransform, decided
 from flatgrasp_cli.sources.transforms.samples import Read, read_transforms

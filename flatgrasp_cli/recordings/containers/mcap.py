@@ -20,10 +20,10 @@ from mcap.records import Channel as ChannelRecord
 from mcap.records import ChunkIndex, Footer, Schema, Statistics
 
 from flatgrasp_cli.errors import SourceError
-from flatgrasp_cli.sources.containers.bounded import MAX_CHUNK_BYTES, UNREADABLE, inflate, reason
-from flatgrasp_cli.sources.containers.channels import Raw
-from flatgrasp_cli.sources.containers.chunked import Chunk, ChunkedRecording
-from flatgrasp_cli.sources.containers.definitions import Channel, ros_type
+from flatgrasp_cli.recordings.containers.bounded import MAX_CHUNK_BYTES, UNREADABLE, inflate, reason
+from flatgrasp_cli.recordings.containers.channels import Raw
+from flatgrasp_cli.recordings.containers.chunked import Chunk, ChunkedRecording
+from flatgrasp_cli.recordings.containers.definitions import Channel, ros_type
 
 MAGIC = b"\x89MCAP0\r\n"
 FOOTER_BYTES = 9 + 20 + len(MAGIC)

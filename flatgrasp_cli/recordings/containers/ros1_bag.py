@@ -12,10 +12,10 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from flatgrasp_cli.errors import SourceError
-from flatgrasp_cli.sources.containers.bounded import MAX_CHUNK_BYTES, inflate, inflate_lz4_unchecked
-from flatgrasp_cli.sources.containers.channels import Raw
-from flatgrasp_cli.sources.containers.chunked import Chunk, ChunkedRecording
-from flatgrasp_cli.sources.containers.definitions import Channel, ros_type
+from flatgrasp_cli.recordings.containers.bounded import MAX_CHUNK_BYTES, inflate, inflate_lz4_unchecked
+from flatgrasp_cli.recordings.containers.channels import Raw
+from flatgrasp_cli.recordings.containers.chunked import Chunk, ChunkedRecording
+from flatgrasp_cli.recordings.containers.definitions import Channel, ros_type
 
 MAGIC = b"#ROSBAG V2.0\n"
 MAX_HEADER_BYTES = 2**24

@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from flatgrasp_cli.errors import SourceError
-from flatgrasp_cli.sources.containers.bounded import UNREADABLE, reason
-from flatgrasp_cli.sources.containers.channels import ChannelRecording, Decoders, Raw
-from flatgrasp_cli.sources.containers.definitions import Channel, ros_type
-from flatgrasp_cli.sources.containers.recording import Problems
+from flatgrasp_cli.recordings.containers.bounded import UNREADABLE, reason
+from flatgrasp_cli.recordings.containers.channels import ChannelRecording, Decoders, Raw
+from flatgrasp_cli.recordings.containers.definitions import Channel, ros_type
+from flatgrasp_cli.recordings.containers.recording import Problems
 
 LOWEST, HIGHEST = -(2**63), 2**63 - 1
 _FAULTS: tuple[type[Exception], ...] = (*UNREADABLE, sqlite3.Error)

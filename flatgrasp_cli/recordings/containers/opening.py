@@ -7,11 +7,11 @@ from functools import partial
 from pathlib import Path
 
 from flatgrasp_cli.errors import SourceError
-from flatgrasp_cli.sources.containers.bounded import inflate_file
-from flatgrasp_cli.sources.containers.channels import ChannelRecording, Decoders
-from flatgrasp_cli.sources.containers.recording import Problems
-from flatgrasp_cli.sources.containers.rosbag2 import FolderRecording, describe
-from flatgrasp_cli.sources.containers.sniff import ZSTD_MAGIC, first_bytes, kind_of
+from flatgrasp_cli.recordings.containers.bounded import inflate_file
+from flatgrasp_cli.recordings.containers.channels import ChannelRecording, Decoders
+from flatgrasp_cli.recordings.containers.recording import Problems
+from flatgrasp_cli.recordings.containers.rosbag2 import FolderRecording, describe
+from flatgrasp_cli.recordings.containers.sniff import ZSTD_MAGIC, first_bytes, kind_of
 
 
 class _Unpacked:
@@ -80,15 +80,15 @@ def _open(
     file = unpacked.plain(path, name, problems)
     kind = kind_of(file)
     if kind == "mcap":
-        from flatgrasp_cli.sources.containers.mcap import McapRecording
+        from flatgrasp_cli.recordings.containers.mcap import McapRecording
 
         return McapRecording(file, name, problems, decoders)
     if kind == "ros1":
-        from flatgrasp_cli.sources.containers.ros1_bag import Ros1Recording
+        from flatgrasp_cli.recordings.containers.ros1_bag import Ros1Recording
 
         return Ros1Recording(file, name, problems, decoders)
     if kind == "sqlite":
-        from flatgrasp_cli.sources.containers.sqlite_bag import SqliteRecording
+        from flatgrasp_cli.recordings.containers.sqlite_bag import SqliteRecording
 
         return SqliteRecording(file, name, problems, decoders, distro)
     head = first_bytes(file)

@@ -11,11 +11,9 @@ from typing import Any
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.model import Sensor
-from flatgrasp_cli.sources.messages.camera_info import CameraInfo
-from flatgrasp_cli.sources.messages.decoded import Decoded, MessageError, frame_name, reading, stamp_ns
-from flatgrasp_cli.sources.messages.depth_image import image_size, read_depth
-from flatgrasp_cli.sources.messages.depth_unit import unit_warning
+from flatgrasp_cli.recordings.messages.camera_info import CameraInfo
+from flatgrasp_cli.recordings.messages.decoded import Decoded, MessageError, frame_name, reading, stamp_ns
+from flatgrasp_cli.recordings.messages.depth_image import image_size, read_depth
 
 TRANSPORTS = ("/compressedDepth", "/compressed")
 INFO_NAME = "camera_info"
@@ -118,7 +116,6 @@ class DepthCameras:
         image = read_depth(message)
         unit_m = self._unit_m(message)
         depth, pixels = image.metres(unit_m)
-        doubt = unit_warning(depth, image.unit_m) if unit_m is None else None
         rays = self._rays_of(info, (width, height), rectified=is_rectified(topic))
         points = np.empty((len(depth), 3))
         points[:, :2] = rays[pixels]
@@ -134,8 +131,9 @@ class DepthCameras:
             shape=(height, width),
             frame_id=frame,
             stamp_ns=stamp,
-            sensor=Sensor("frame", np.zeros(3)),
-            warnings=(*image.warnings, *((doubt,) if doubt else ())),
+            from_camera=True,
+            assumed_unit_m=image.unit_m if unit_m is None else None,
+            assumptions=image.assumptions,
         )
 
     def _unit_m(self, message: Any) -> float | None:

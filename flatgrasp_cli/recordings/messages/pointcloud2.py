@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import ByteArray
-from flatgrasp_cli.model import CloudWarning, ImageGrid
-from flatgrasp_cli.sources.messages.decoded import (
+from flatgrasp_cli.recordings.messages.decoded import (
     ROW_STEP_IGNORED,
+    Assumption,
     Decoded,
     MessageError,
     frame_name,
@@ -17,7 +17,7 @@ from flatgrasp_cli.sources.messages.decoded import (
     reading,
     stamp_ns,
 )
-from flatgrasp_cli.sources.messages.packed import PackedField, PackedPoints
+from flatgrasp_cli.recordings.messages.packed import PackedField, PackedPoints
 
 TYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 8: "f8"}
 """sensor_msgs/PointField.datatype."""
@@ -28,7 +28,7 @@ def decode_pointcloud2(message: Any, *, colors: bool = False) -> Decoded:
 
     x, y, z may be of any type, at any offset and in any order, big endian or not, with padding between points and rows.
     Colours are rgb or rgba packed in 4 bytes, or r, g, b apart. Where the data is exactly that of the points, a
-    row_step that says otherwise is ignored, with a warning.
+    row_step that says otherwise is ignored, which is told as an assumption.
 
     Raises
     ------
@@ -42,7 +42,7 @@ def decode_pointcloud2(message: Any, *, colors: bool = False) -> Decoded:
         stamp, frame = stamp_ns(header.stamp), frame_name(header.frame_id)
         if height * width == 0:
             return Decoded(np.empty((0, 3)), None, 0, (height, width), frame, stamp)
-        data, warnings = _rows(raw_bytes(message.data), (height, width), step, int(message.row_step))
+        data, assumptions = _rows(raw_bytes(message.data), (height, width), step, int(message.row_step))
         order = ">" if message.is_bigendian else "<"
         fields = {
             field.name: PackedField(int(field.offset), np.dtype(order + TYPES[field.datatype]))
@@ -57,15 +57,15 @@ def decode_pointcloud2(message: Any, *, colors: bool = False) -> Decoded:
         shape=(height, width),
         frame_id=frame,
         stamp_ns=stamp,
-        pixels=ImageGrid((height, width), kept) if min(height, width) > 1 else None,
-        warnings=warnings,
+        filled=kept if min(height, width) > 1 else None,
+        assumptions=assumptions,
     )
 
 
 def _rows(
     data: ByteArray, shape: tuple[int, int], step: int, row_step: int
-) -> tuple[ByteArray, tuple[CloudWarning, ...]]:
-    """The data with nothing between its rows, once it is known to hold as many points as declared; and warnings."""
+) -> tuple[ByteArray, tuple[Assumption, ...]]:
+    """The data with nothing between its rows, once it is known to hold the declared points; and what was assumed."""
     height, width = shape
     if min(shape) < 0:
         raise MessageError(f"declares {width} × {height} points")

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flatgrasp_cli.geometry.arrays import ByteArray
-from flatgrasp_cli.sources.messages.decoded import MessageError
+from flatgrasp_cli.recordings.messages.decoded import MessageError
 
 PNG_MAGIC = b"\x89PNG\r\n\x1a\n"
 JPEG_MAGIC = b"\xff\xd8"

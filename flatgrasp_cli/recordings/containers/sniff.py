@@ -21,6 +21,6 @@ def first_bytes(path: Path) -> bytes:
         head = file.read(SNIFFED_BYTES)
     if not head.startswith(ZSTD_MAGIC):
         return head
-    from flatgrasp_cli.sources.containers.bounded import first_inflated_bytes
+    from flatgrasp_cli.recordings.containers.bounded import first_inflated_bytes
 
     return first_inflated_bytes(path, SNIFFED_BYTES) or head

@@ -5,19 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from flatgrasp_cli.sources.messages.camera_info import CameraInfo
-from flatgrasp_cli.sources.messages.decoded import CloudDecoder, Decoded, MessageError
-from flatgrasp_cli.sources.messages.depth_cameras import (
+from flatgrasp_cli.recordings.messages.camera_info import CameraInfo
+from flatgrasp_cli.recordings.messages.decoded import CloudDecoder, Decoded, MessageError
+from flatgrasp_cli.recordings.messages.depth_cameras import (
     DepthCameras,
     MissingCameraInfo,
     info_topics_for,
     unit_topic_for,
 )
-from flatgrasp_cli.sources.messages.depth_image import is_depth, is_lossy_depth
-from flatgrasp_cli.sources.messages.depth_unit import UNIT_ASSUMED
-from flatgrasp_cli.sources.messages.foxglove import decode_foxglove
-from flatgrasp_cli.sources.messages.png import LOSSY
-from flatgrasp_cli.sources.messages.pointcloud2 import decode_pointcloud, decode_pointcloud2
+from flatgrasp_cli.recordings.messages.depth_image import is_depth, is_lossy_depth
+from flatgrasp_cli.recordings.messages.foxglove import decode_foxglove
+from flatgrasp_cli.recordings.messages.png import LOSSY
+from flatgrasp_cli.recordings.messages.pointcloud2 import decode_pointcloud, decode_pointcloud2
 
 CLOUD_TYPES: Mapping[str, CloudDecoder] = MappingProxyType(
     {
@@ -37,7 +36,6 @@ __all__ = [
     "IMAGE_TYPES",
     "INFO_TYPE",
     "LOSSY",
-    "UNIT_ASSUMED",
     "UNIT_TYPE",
     "CameraInfo",
     "CloudDecoder",

@@ -14,9 +14,9 @@ from functools import lru_cache
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
-from flatgrasp_cli.sources.containers.bounded import UNREADABLE, inflate_message, reason
-from flatgrasp_cli.sources.containers.definition_checks import DefinitionError, check_types, needed_types
-from flatgrasp_cli.sources.containers.sniff import ZSTD_MAGIC
+from flatgrasp_cli.recordings.containers.bounded import UNREADABLE, inflate_message, reason
+from flatgrasp_cli.recordings.containers.definition_checks import DefinitionError, check_types, needed_types
+from flatgrasp_cli.recordings.containers.sniff import ZSTD_MAGIC
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
@@ -65,7 +65,7 @@ def decoder_of(channel: Channel) -> Callable[[bytes], Any]:
         if channel.encoding == "json":
             return _decode_json
         if channel.encoding == "protobuf":
-            from flatgrasp_cli.sources.containers.protobuf import protobuf_decoder
+            from flatgrasp_cli.recordings.containers.protobuf import protobuf_decoder
 
             return protobuf_decoder(channel.type, channel.schema)
         if channel.encoding in ("cdr", "ros1"):

@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
-from flatgrasp_cli.sources.containers.channels import ChannelRecording, Decoders, Raw
-from flatgrasp_cli.sources.containers.merge import in_order
-from flatgrasp_cli.sources.containers.recording import Problems
+from flatgrasp_cli.recordings.containers.channels import ChannelRecording, Decoders, Raw
+from flatgrasp_cli.recordings.containers.merge import in_order
+from flatgrasp_cli.recordings.containers.recording import Problems
 
 LOOSE_RUN_BYTES = 2**20
 """Messages outside of chunks are read in runs of about this size."""

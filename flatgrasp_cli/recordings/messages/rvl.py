@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flatgrasp_cli.geometry.arrays import ByteArray
-from flatgrasp_cli.sources.messages.decoded import MessageError
+from flatgrasp_cli.recordings.messages.decoded import MessageError
 
 SIZE = struct.Struct("<ii")
 """The columns and rows, which ROS puts before the words."""

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.sources.messages.decoded import MessageError, reading
+from flatgrasp_cli.recordings.messages.decoded import MessageError, reading
 
 FISHEYE = "equidistant"
 COEFFICIENTS = {"plumb_bob": (4, 5), "rational_polynomial": (8, 12, 14), FISHEYE: (4,)}

@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flatgrasp_cli.geometry.arrays import ByteArray, FloatArray
-from flatgrasp_cli.model import CloudWarning
-from flatgrasp_cli.sources.messages.decoded import ROW_STEP_IGNORED, MessageError, raw_bytes, reading
-from flatgrasp_cli.sources.messages.png import LOSSY, decode_png, png_size
-from flatgrasp_cli.sources.messages.rvl import decode_rvl, rvl_size
+from flatgrasp_cli.recordings.messages.decoded import ROW_STEP_IGNORED, Assumption, MessageError, raw_bytes, reading
+from flatgrasp_cli.recordings.messages.png import LOSSY, decode_png, png_size
+from flatgrasp_cli.recordings.messages.rvl import decode_rvl, rvl_size
 
 MILLIMETRES = frozenset({"16UC1", "mono16"})
 METRES = frozenset({"32FC1"})
@@ -31,7 +30,7 @@ class DepthImage:
     raw: NDArray[Any]
     unit_m: float
     inverse: tuple[float, float] | None = None
-    warnings: tuple[CloudWarning, ...] = ()
+    assumptions: tuple[Assumption, ...] = ()
 
     def metres(self, unit_m: float | None = None) -> tuple[FloatArray, NDArray[np.intp]]:
         """Depths (n,) in metres, and the pixels (n,) they are at, counted row by row; only where there is depth.
@@ -110,7 +109,7 @@ def _plain(message: Any) -> DepthImage:
     if len(data) < need:
         raise MessageError(f"data has {len(data)} bytes, {width} × {height} pixels in rows of {step} bytes need {need}")
     raw: NDArray[Any] = np.ndarray((height, width), dtype, data.data, 0, (step, dtype.itemsize))
-    return DepthImage(raw, unit_m, warnings=(ROW_STEP_IGNORED,) if ignored else ())
+    return DepthImage(raw, unit_m, assumptions=(ROW_STEP_IGNORED,) if ignored else ())
 
 
 def _compressed(message: Any) -> DepthImage:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray
-from flatgrasp_cli.sources.messages.decoded import MessageError
+from flatgrasp_cli.recordings.messages.decoded import MessageError
 
 BLOCK = 32_768
 """Points in a block: large enough that calls cost nothing, small enough that it is in the cache when read again."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from flatgrasp_cli.errors import SourceError
-from flatgrasp_cli.sources.containers.recording import Message, Problems, Recording, Topic, printable
-from flatgrasp_cli.sources.containers.sniff import kind_of
+from flatgrasp_cli.recordings.containers.recording import Message, Problems, Recording, Topic, printable
+from flatgrasp_cli.recordings.containers.sniff import kind_of
 
 __all__ = ["Message", "Problems", "Recording", "Topic", "is_recording", "open_recording", "printable"]
 
@@ -15,7 +15,7 @@ def is_recording(path: Path) -> bool:
     """Whether a file or folder is a recording, judged by its content; False for what cannot be read."""
     try:
         if path.is_dir():
-            from flatgrasp_cli.sources.containers.rosbag2 import is_folder
+            from flatgrasp_cli.recordings.containers.rosbag2 import is_folder
 
             return is_folder(path)
         return kind_of(path) != ""
@@ -40,7 +40,7 @@ def open_recording(path: Path, name: str, *, strict: bool = False) -> Recording:
     SourceError
         If it cannot be read at all; with `strict`, also later, when a problem is met.
     """
-    from flatgrasp_cli.sources.containers.opening import open_file, open_folder
+    from flatgrasp_cli.recordings.containers.opening import open_file, open_folder
 
     problems = Problems(name=name, strict=strict)
     try:

@@ -10,7 +10,7 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import ByteArray, FloatArray
 from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion
-from flatgrasp_cli.sources.messages.decoded import (
+from flatgrasp_cli.recordings.messages.decoded import (
     Decoded,
     MessageError,
     frame_name,
@@ -19,7 +19,7 @@ from flatgrasp_cli.sources.messages.decoded import (
     stamp_ns,
     unit_quaternion,
 )
-from flatgrasp_cli.sources.messages.packed import PackedField, PackedPoints
+from flatgrasp_cli.recordings.messages.packed import PackedField, PackedPoints
 
 TYPES = {1: "u1", 2: "i1", 3: "<u2", 4: "<i2", 5: "<u4", 6: "<i4", 7: "<f4", 8: "<f8"}
 """foxglove.PackedElementField's NumericType: signed and unsigned are the other way round than in ROS."""

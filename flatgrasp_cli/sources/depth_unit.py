@@ -7,7 +7,6 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import CloudWarning
 
-UNIT_ASSUMED = "depth_unit_assumed"
 NEAREST_M = 0.05
 """No depth camera sees what is nearer; those for the shortest range begin at 7 cm."""
 FARTHEST_M = 2.0
@@ -23,7 +22,7 @@ def unit_warning(depth_m: FloatArray, unit_m: float) -> CloudWarning | None:
         return None
     unit = "metres" if unit_m == 1.0 else "millimetres"
     return CloudWarning(
-        UNIT_ASSUMED,
+        "depth_unit_assumed",
         f"depth was taken to be in {unit}, but then hardly anything lies between {NEAREST_M:g} and {FARTHEST_M:g} m; "
         "--depth-unit states the metres in one count, e.g. 0.0001 for a RealSense D405",
     )

@@ -9,19 +9,31 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import ByteArray, FloatArray
-from flatgrasp_cli.model import CloudWarning, ImageGrid, Sensor
+from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray
 
 LARGEST_NS = 2**63 - 1
-ROW_STEP_IGNORED = CloudWarning(
-    "row_step_ignored",
-    "the bytes of a row that the messages declare (row_step) cannot be, and were ignored: the data is exactly that of "
-    "width × height points, row by row",
-)
 
 
 class MessageError(ValueError):
     """A message that contradicts itself or is of a kind that is not read; the text says which and how."""
+
+
+@dataclass(frozen=True, slots=True)
+class Assumption:
+    """What was taken for true where a message contradicts itself in a way that can be understood.
+
+    `code` is stable, in snake_case; `text` is one sentence for people, the same for all messages that it holds for.
+    """
+
+    code: str
+    text: str
+
+
+ROW_STEP_IGNORED = Assumption(
+    "row_step_ignored",
+    "the bytes of a row that the messages declare (row_step) cannot be, and were ignored: the data is exactly that of "
+    "width × height points, row by row",
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,9 +41,7 @@ class Decoded:
     """The finite `points` (n, 3) of one message, in metres in `frame_id`.
 
     `shape` is the height and width that the message declares, `dropped` how many of those points are NaN, infinite or
-    no data. `colors` (n, 3) are RGB. `stamp_ns` is the header's time, None when it is not set. `sensor` is where the
-    points were seen from, `viewpoint` (3,) where the message states that; None where it does not say. `pixels` is the
-    image that the points are the pixels of, if they are those of one.
+    no data. `colors` (n, 3) are RGB. `stamp_ns` is the header's time, None when it is not set.
     """
 
     points: FloatArray
@@ -40,10 +50,17 @@ class Decoded:
     shape: tuple[int, int]
     frame_id: str
     stamp_ns: int | None
-    sensor: Sensor | None = None
     viewpoint: FloatArray | None = None
-    pixels: ImageGrid | None = None
-    warnings: tuple[CloudWarning, ...] = ()
+    """Where the points were seen from, (3,), in `frame_id`; None where the message does not say."""
+    from_camera: bool = False
+    """Whether a camera at the frame's origin saw them, which looked along z with x to its right."""
+    filled: BoolArray | None = None
+    """Which pixels (height · width,) of an image of that shape they are, row by row; None where they are not those of
+    one."""
+    assumed_unit_m: float | None = None
+    """The metres in one count of depth, where nothing but the image's encoding tells them; None where that is settled.
+    """
+    assumptions: tuple[Assumption, ...] = ()
 
 
 class CloudDecoder(Protocol):

@@ -9,10 +9,10 @@ from pathlib import Path, PurePosixPath
 from typing import Any, Self
 
 from flatgrasp_cli.errors import SourceError
-from flatgrasp_cli.sources.containers.bounded import UNREADABLE, reason
-from flatgrasp_cli.sources.containers.channels import ChannelRecording
-from flatgrasp_cli.sources.containers.merge import in_order
-from flatgrasp_cli.sources.containers.recording import Message, Problems, Topic
+from flatgrasp_cli.recordings.containers.bounded import UNREADABLE, reason
+from flatgrasp_cli.recordings.containers.channels import ChannelRecording
+from flatgrasp_cli.recordings.containers.merge import in_order
+from flatgrasp_cli.recordings.containers.recording import Message, Problems, Topic
 
 METADATA = "metadata.yaml"
 KEY = "rosbag2_bagfile_information"

@@ -6,10 +6,10 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any, NamedTuple, Self
 
-from flatgrasp_cli.sources.containers.bounded import UNREADABLE, reason
-from flatgrasp_cli.sources.containers.definition_checks import DefinitionError
-from flatgrasp_cli.sources.containers.definitions import Channel, decoder_of
-from flatgrasp_cli.sources.containers.recording import Message, Problems, Topic
+from flatgrasp_cli.recordings.containers.bounded import UNREADABLE, reason
+from flatgrasp_cli.recordings.containers.definition_checks import DefinitionError
+from flatgrasp_cli.recordings.containers.definitions import Channel, decoder_of
+from flatgrasp_cli.recordings.containers.recording import Message, Problems, Topic
 
 
 class Raw(NamedTuple):
