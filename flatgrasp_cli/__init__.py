@@ -13,7 +13,8 @@ if TYPE_CHECKING:
     from typing import Any
 
     from flatgrasp_cli.model import Cloud, Sensor
-    from flatgrasp_cli.planning import Plan, in_base_frame, plan
+    from flatgrasp_cli.placing import in_base_frame
+    from flatgrasp_cli.planning import Plan, plan
     from flatgrasp_cli.profiles import load_camera_pose, load_gripper, load_robot, load_settings
     from flatgrasp_cli.results.document import to_document
     from flatgrasp_cli.sources import read_clouds
@@ -37,7 +38,7 @@ _HOMES = {
     "Cloud": "flatgrasp_cli.model",
     "Sensor": "flatgrasp_cli.model",
     "Plan": "flatgrasp_cli.planning",
-    "in_base_frame": "flatgrasp_cli.planning",
+    "in_base_frame": "flatgrasp_cli.placing",
     "plan": "flatgrasp_cli.planning",
     "load_camera_pose": "flatgrasp_cli.profiles",
     "load_gripper": "flatgrasp_cli.profiles",

@@ -183,10 +183,10 @@ def _job(
     verbose: bool,
     **frames: Any,
 ) -> Job:
+    from flatgrasp_cli.cli.sensor_option import parse_sensor
     from flatgrasp_cli.job import Job
-    from flatgrasp_cli.mounting import mounting
-    from flatgrasp_cli.profiles import load_gripper, load_settings
-    from flatgrasp_cli.sensor.statement import parse_sensor
+    from flatgrasp_cli.placing import workcell
+    from flatgrasp_cli.profiles import load_camera_pose, load_gripper, load_robot, load_settings
 
     asked = {
         "scene": f"scene.mode={scene}" if scene else None,
@@ -205,7 +205,11 @@ def _job(
     return Job(
         gripper=load_gripper(gripper),
         settings=load_settings(method, tuple(each.text for each in settings)),
-        mounting=mounting(robot, camera_pose, base_frame),
+        workcell=workcell(
+            None if robot is None else load_robot(robot),
+            None if camera_pose is None else load_camera_pose(camera_pose),
+            base_frame,
+        ),
         selection=replace(_selection(**frames), sensor_frame=stated if isinstance(stated, str) else None),
         sensor=None if isinstance(stated, str) else stated,
         scale=scale,

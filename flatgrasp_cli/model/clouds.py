@@ -35,7 +35,7 @@ KnownFrom = Literal[
 ]
 """How it is known where the sensor was.
 
-- `option`: somebody said so, by `--sensor` or in Python.
+- `option`: somebody said so.
 - `projection`: the centre of projection of an organised cloud.
 - `viewpoint`, `inverse_viewpoint`: the pose in the file's header, or its inverse; the cloud can be seen from there.
 - `frame`: the cloud's own frame is the sensor's, by its name or because it is a depth image's.

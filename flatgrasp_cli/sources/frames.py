@@ -30,10 +30,10 @@ from flatgrasp_cli.recordings.messages import (
 )
 from flatgrasp_cli.sensor.frame_names import has_z_up, is_optical
 from flatgrasp_cli.sources.depth_unit import unit_warning
-from flatgrasp_cli.sources.placement import TRANSFORM_TYPES, Placement, RecordedTransforms
+from flatgrasp_cli.sources.placement import Placement
 from flatgrasp_cli.sources.selection import NS, Every, Selection
 from flatgrasp_cli.sources.topics import choose_topic
-from flatgrasp_cli.sources.transforms import MissingTransform
+from flatgrasp_cli.sources.transforms import TRANSFORM_TYPES, MissingTransform, RecordedTransforms
 
 _log = logging.getLogger(__name__)
 

@@ -37,17 +37,17 @@ def read_clouds(
     scale
         Metres in one unit of the source: 0.001 for one in millimetres.
     selection
-        Which topic and frames of a recording, and of what camera depth images are; a file with one cloud has no choice.
+        Which topic and frames of a recording, of what camera depth images are, and in which frame clouds are wanted.
 
     Raises
     ------
     SourceError
         If the source is missing, is no cloud, or contradicts its own header.
     UsageError
-        If a depth image is given without its camera's intrinsics, or a file is to say where a frame is.
+        If a depth image is given without its camera's intrinsics, or only a recording could say where a frame is.
     """
+    from flatgrasp_cli.placing import placed
     from flatgrasp_cli.recordings.containers import is_recording
-    from flatgrasp_cli.sources.files import read_file
     from flatgrasp_cli.sources.folders import folder_images, kind_of_folder
 
     name = os.fspath(source)
@@ -58,15 +58,21 @@ def read_clouds(
             from flatgrasp_cli.sources.frames import recorded_clouds
 
             yield from recorded_clouds(path, label, scale, selection)
-        elif selection.sensor_frame is not None:
+            return
+        if selection.sensor_frame is not None:
             raise UsageError(
                 f"{label}: --sensor {selection.sensor_frame}: is the name of a frame, and only a recording can say "
                 "where that is; give the place X,Y,Z, above, or none"
             )
-        elif are_images:
-            yield from folder_images(path, label, scale, selection)
-        else:
-            yield read_file(path, label, scale, selection)
+        read = folder_images if are_images else _only_cloud
+        for cloud in read(path, label, scale, selection):
+            yield placed(cloud, selection.base_frame, selection.camera_pose)
+
+
+def _only_cloud(path: Path, name: str, scale: float, selection: Selection) -> Iterator[Cloud]:
+    from flatgrasp_cli.sources.files import read_file
+
+    yield read_file(path, name, scale, selection)
 
 
 @contextmanager

@@ -18,10 +18,9 @@ from flatgrasp_cli.sources.folders import folder_images, kind_of_folder
 from flatgrasp_cli.sources.frames import usable_frames
 from flatgrasp_cli.sources.open import STDIN, on_disk
 from flatgrasp_cli.sources.pcd_header import read_pcd_header
-from flatgrasp_cli.sources.placement import TRANSFORM_TYPES
 from flatgrasp_cli.sources.selection import EVERYTHING, NS, Selection
 from flatgrasp_cli.sources.topics import depth_topics
-from flatgrasp_cli.sources.transforms import TransformBuffer
+from flatgrasp_cli.sources.transforms import TRANSFORM_TYPES, TransformBuffer
 
 DECIMALS = 9
 TRANSFORMS_READ = 1000

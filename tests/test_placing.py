@@ -13,13 +13,15 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 
-from flatgrasp_cli import load_camera_pose, load_settings
+from flatgrasp_cli import load_camera_pose, load_robot, load_settings, read_clouds
 from flatgrasp_cli.cli import run as run_here
 from flatgrasp_cli.errors import ProfileError, UsageError
-from flatgrasp_cli.geometry.frames import quaternion_from_axes
-from flatgrasp_cli.mounting import mounting
+from flatgrasp_cli.geometry.frames import Frame, quaternion_from_axes
+from flatgrasp_cli.model import CloudWarning
+from flatgrasp_cli.placing import Route, Workcell, placed, workcell
 from flatgrasp_cli.profiles import profile_path
 from flatgrasp_cli.results.contracts import json_schema
+from flatgrasp_cli.sources import Selection
 from tests.conftest import MM, TABLE, Box, Camera, Solid
 
 TABLE_AHEAD = Box((0.45, 0.0, -0.01), (0.9, 0.7, 0.02))
@@ -205,14 +207,15 @@ class TestFrames:
         lines = profile_path("robot", "ur5").read_text(encoding="utf-8")
         pose = f"camera_pose: {{position_m: [{x}, {y}, {z}], orientation_xyzw: {turn}}}"
         own.write_text(lines.replace("camera_pose: null", pose), encoding="utf-8")
-        base, linked = mounting(str(own), None, None), mounting(str(own), None, "base_link")
+        arm = load_robot(str(own))
+        base, linked = workcell(arm, None, None), workcell(arm, None, "base_link")
         assert base.camera is not None
         assert linked.camera is not None
         assert base.camera.position_m == (x, y, z)
         assert linked.camera.position_m == (-x, -y, z)
         assert linked.robot is not None
         assert linked.robot.base_frame == linked.base_frame == "base_link"
-        given = mounting(str(own), "1,2,3,0,0,0,1", None).camera
+        given = workcell(arm, load_camera_pose("1,2,3,0,0,0,1"), None).camera
         assert given is not None
         assert given.position_m == (1, 2, 3)
 
@@ -300,22 +303,54 @@ def test_a_malformed_option_is_exit_2_and_a_line_or_two(options: list[str], word
     assert 1 <= len(own) <= 2
 
 
-class TestMounting:
+class TestTheDoor:
     def test_nothing_named_leaves_the_cloud_as_it_is(self) -> None:
         cloud = CAMERA.sees(TABLE_AHEAD)
-        assert mounting(None, None, None).placed(cloud) is cloud
+        assert workcell(None, None, None) == Workcell()
+        assert placed(cloud, None, None) is cloud
 
     def test_a_robot_takes_a_cloud_in_its_own_base_frame(self) -> None:
         cloud = replace(CAMERA.sees(TABLE_AHEAD), frame_id="base")
-        assert mounting("ur5", None, None).placed(cloud) is cloud
+        own, linked = workcell(load_robot("ur5"), None, None), workcell(load_robot("ur5"), None, "/base_link")
+        assert placed(cloud, own.base_frame, own.camera) is cloud
         with pytest.raises(UsageError, match="base_link"):
-            mounting("ur5", None, "base_link").placed(cloud)
+            placed(cloud, linked.base_frame, linked.camera)
 
     def test_a_frame_without_a_name_is_called_as_in_the_document(self) -> None:
         cloud = CAMERA.sees(TABLE_AHEAD)
         with pytest.raises(UsageError, match="in frame 'cloud', the answer is wanted in 'base'"):
-            mounting("ur5", None, None).placed(cloud)
-        assert mounting(None, None, "cloud").placed(cloud) is cloud
+            placed(cloud, "base", None)
+        assert placed(cloud, "cloud", None) is cloud
+
+    def test_a_camera_pose_without_a_robot_is_one_in_base(self) -> None:
+        pose = load_camera_pose("1,2,3,0,0,0,1")
+        assert workcell(None, pose, None) == Workcell(None, pose, "base")
+        assert workcell(None, pose, "world").base_frame == "world"
+
+    def test_transforms_are_asked_only_where_no_pose_is_stated(self) -> None:
+        cloud = replace(CAMERA.sees(TABLE_AHEAD), frame_id="eye")
+        doubt = CloudWarning("transform_changed", "it moved")
+        asked = []
+
+        def lookup(target: str, source: str) -> Route:
+            asked.append((target, source))
+            return Route(Frame(np.array([1.0, 2.0, 3.0]), np.eye(3)), (doubt,))
+
+        pose = load_camera_pose("4,5,6,0,0,0,1")
+        np.testing.assert_allclose(placed(cloud, "base", pose, lookup).points, cloud.points + np.array([4, 5, 6]))
+        assert asked == []
+        moved = placed(cloud, "base", None, lookup)
+        assert asked == [("base", "eye")]
+        assert (moved.frame_id, moved.warnings[-1]) == ("base", doubt)
+        np.testing.assert_allclose(moved.points, cloud.points + np.array([1, 2, 3]))
+
+    def test_files_go_through_it_too(self, scene: Path) -> None:
+        (own,) = read_clouds(scene)
+        pose = load_camera_pose("0,0,1,0,0,0,1")
+        (raised,) = read_clouds(scene, selection=Selection(base_frame="base", camera_pose=pose))
+        np.testing.assert_allclose(raised.points, own.points + np.array([0, 0, 1]))
+        with pytest.raises(UsageError, match="--camera-pose"):
+            next(read_clouds(scene, selection=Selection(base_frame="base")))
 
     def test_a_quaternion_must_be_one(self) -> None:
         with pytest.raises(ProfileError, match="unit quaternion"):
