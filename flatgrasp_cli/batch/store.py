@@ -23,9 +23,9 @@ from flatgrasp_cli.batch.inputs import Input
 from flatgrasp_cli.batch.work import Done
 from flatgrasp_cli.errors import UsageError
 from flatgrasp_cli.job import Job
+from flatgrasp_cli.results.contracts.batch import SCHEMA_ID
 from flatgrasp_cli.whole_files import write_bytes, write_text
 
-SCHEMA = "flatgrasp.batch/1"
 STATE = ".flatgrasp"
 
 
@@ -193,7 +193,7 @@ def _sources(inputs: Iterable[Input]) -> Iterator[str]:
 
 def _manifest(job: Job, plots: bool) -> dict[str, Any]:
     return {
-        "schema": SCHEMA,
+        "schema": SCHEMA_ID,
         "version": __version__,
         "gripper": job.gripper.model_dump(mode="json"),
         "settings": job.settings.model_dump(mode="json"),

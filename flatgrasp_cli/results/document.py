@@ -25,27 +25,31 @@ from flatgrasp_cli.model import (
 )
 from flatgrasp_cli.planner.gravity import gravity_center
 from flatgrasp_cli.planning import Plan
-from flatgrasp_cli.results.contracts import (
-    SCHEMA_ID,
-    AabbPart,
-    BoxPart,
+from flatgrasp_cli.results.contracts.grasps import (
     CagePart,
     ClosurePart,
-    Document,
-    FingersPart,
     GraspPart,
-    GravityPart,
     JointsPart,
     MetricsPart,
-    MissPart,
-    ObjectPart,
     PosePart,
     PosesPart,
     ReachPart,
-    SensorPart,
+)
+from flatgrasp_cli.results.contracts.objects import (
+    AabbPart,
+    BoxPart,
+    FingersPart,
+    GravityPart,
+    MissPart,
+    ObjectPart,
     SilhouettePart,
-    SourcePart,
     StagePart,
+)
+from flatgrasp_cli.results.contracts.plan import (
+    SCHEMA_ID,
+    Document,
+    SensorPart,
+    SourcePart,
     SupportPlanePart,
     TimingPart,
     WarningPart,

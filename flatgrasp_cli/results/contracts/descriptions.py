@@ -8,8 +8,10 @@ import sys
 from collections.abc import Iterator
 from functools import lru_cache
 from itertools import pairwise
+from typing import Any
 
-from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
+from pydantic import BaseModel
+from pydantic.json_schema import GenerateJsonSchema, JsonSchemaMode, JsonSchemaValue
 from pydantic_core.core_schema import ModelSchema
 
 
@@ -23,12 +25,36 @@ class DescribedSchema(GenerateJsonSchema):
     def model_schema(self, schema: ModelSchema) -> JsonSchemaValue:
         """The JSON Schema of one model, each property with the docstring below its field."""
         described, model = super().model_schema(schema), schema["cls"]
-        texts = _docstrings(model.__module__).get(model.__name__, {})
+        texts: dict[str, str] = {}
+        for base in reversed(model.__mro__):
+            if issubclass(base, BaseModel) and base is not BaseModel:
+                texts |= _docstrings(base.__module__).get(base.__name__, {})
         names = {field.alias or name: name for name, field in model.model_fields.items()}
         for key, value in described.get("properties", {}).items():
             if names[key] in texts:
                 value["description"] = texts[names[key]]
         return described
+
+
+def described(model: type[BaseModel], mode: JsonSchemaMode) -> dict[str, Any]:
+    """The JSON Schema of what a model writes (`serialization`) or takes (`validation`), with descriptions."""
+    return model.model_json_schema(by_alias=True, mode=mode, schema_generator=DescribedSchema)
+
+
+def extendable(schema: dict[str, Any]) -> dict[str, Any]:
+    """The schema of a profile that may leave keys to the shipped one that it `extends`: then none is required."""
+    from flatgrasp_cli.profiles import list_profiles
+
+    parts = {
+        name: {key: value for key, value in part.items() if key != "required"} for name, part in schema["$defs"].items()
+    }
+    extends = {
+        "type": "string",
+        "enum": list_profiles("planner"),
+        "description": "The shipped profile that has the keys which are left out.",
+    }
+    whole = {key: value for key, value in schema.items() if key != "required"}
+    return {**whole, "$defs": parts, "properties": {"extends": extends, **schema["properties"]}}
 
 
 @lru_cache

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Literal
 
 from pydantic import Field
 
@@ -108,11 +108,3 @@ class Document(Part):
     """The objects, the one with the best grasp first."""
     timing_ms: TimingPart
     """What took how long, milliseconds."""
-
-
-def json_schema() -> dict[str, Any]:
-    """The JSON Schema (draft 2020-12) of a document."""
-    from flatgrasp_cli.results.contracts.descriptions import DescribedSchema
-
-    schema = Document.model_json_schema(by_alias=True, mode="serialization", schema_generator=DescribedSchema)
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": SCHEMA_ID, **schema}
