@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from flatgrasp_cli import Cloud, load_gripper, plan
-from flatgrasp_cli.cli.sensor_option import parse_sensor
+from flatgrasp_cli.cli.place_options import parse_sensor
 from flatgrasp_cli.errors import UsageError
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion

@@ -183,10 +183,9 @@ def _job(
     verbose: bool,
     **frames: Any,
 ) -> Job:
-    from flatgrasp_cli.cli.sensor_option import parse_sensor
+    from flatgrasp_cli.cli.place_options import parse_sensor, parse_workcell
     from flatgrasp_cli.job import Job
-    from flatgrasp_cli.placing import workcell
-    from flatgrasp_cli.profiles import load_camera_pose, load_gripper, load_robot, load_settings
+    from flatgrasp_cli.profiles import load_gripper, load_settings
 
     asked = {
         "scene": f"scene.mode={scene}" if scene else None,
@@ -205,11 +204,7 @@ def _job(
     return Job(
         gripper=load_gripper(gripper),
         settings=load_settings(method, tuple(each.text for each in settings)),
-        workcell=workcell(
-            None if robot is None else load_robot(robot),
-            None if camera_pose is None else load_camera_pose(camera_pose),
-            base_frame,
-        ),
+        workcell=parse_workcell(robot, camera_pose, base_frame),
         selection=replace(_selection(**frames), sensor_frame=stated if isinstance(stated, str) else None),
         sensor=None if isinstance(stated, str) else stated,
         scale=scale,

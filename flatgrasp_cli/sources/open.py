@@ -46,27 +46,33 @@ def read_clouds(
     UsageError
         If a depth image is given without its camera's intrinsics, or only a recording could say where a frame is.
     """
-    from flatgrasp_cli.placing import placed
     from flatgrasp_cli.recordings.containers import is_recording
     from flatgrasp_cli.sources.folders import folder_images, kind_of_folder
 
     name = os.fspath(source)
     with on_disk(name) as path:
         label = "stdin" if name == STDIN else name
-        are_images = path.is_dir() and kind_of_folder(path, label) == "images"
-        if not are_images and is_recording(path):
+        if path.is_dir() and kind_of_folder(path, label) == "images":
+            yield from _placed(folder_images(path, label, scale, selection), label, selection)
+        elif is_recording(path):
             from flatgrasp_cli.sources.frames import recorded_clouds
 
             yield from recorded_clouds(path, label, scale, selection)
-            return
-        if selection.sensor_frame is not None:
-            raise UsageError(
-                f"{label}: --sensor {selection.sensor_frame}: is the name of a frame, and only a recording can say "
-                "where that is; give the place X,Y,Z, above, or none"
-            )
-        read = folder_images if are_images else _only_cloud
-        for cloud in read(path, label, scale, selection):
-            yield placed(cloud, selection.base_frame, selection.camera_pose)
+        else:
+            yield from _placed(_only_cloud(path, label, scale, selection), label, selection)
+
+
+def _placed(clouds: Iterator[Cloud], name: str, selection: Selection) -> Iterator[Cloud]:
+    """Clouds of files, which have no transforms, where they are wanted."""
+    from flatgrasp_cli.placing import placed
+
+    if selection.sensor_frame is not None:
+        raise UsageError(
+            f"{name}: --sensor {selection.sensor_frame}: is the name of a frame, and only a recording can say "
+            "where that is; give the place X,Y,Z, above, or none"
+        )
+    for cloud in clouds:
+        yield placed(cloud, selection.base_frame, selection.camera_pose)
 
 
 def _only_cloud(path: Path, name: str, scale: float, selection: Selection) -> Iterator[Cloud]:

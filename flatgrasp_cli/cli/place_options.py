@@ -1,4 +1,4 @@
-"""What `--sensor` says, in words."""
+"""The words of `--robot`, `--camera-pose`, `--base-frame` and `--sensor`, which say where things are."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ import numpy as np
 
 from flatgrasp_cli.errors import UsageError
 from flatgrasp_cli.model import Sensor
+from flatgrasp_cli.placing import Workcell, workcell
+from flatgrasp_cli.profiles import load_camera_pose, load_robot
 
 
 def parse_sensor(text: str) -> Sensor | str:
@@ -34,3 +36,17 @@ def parse_sensor(text: str) -> Sensor | str:
     if len(place) != 3 or not all(map(math.isfinite, place)):
         raise UsageError(f"--sensor {text}: give its place X,Y,Z, the name of its frame in a recording, above, or none")
     return Sensor("option", np.array(place))
+
+
+def parse_workcell(robot: str | None, camera_pose: str | None, base_frame: str | None) -> Workcell:
+    """The workcell of a robot's profile and a camera's pose, each by name, path or in numbers; see `workcell`.
+
+    Raises
+    ------
+    ProfileError
+        If one of them is not there, or wrong.
+    UsageError
+        If the robot has no such base frame.
+    """
+    arm = None if robot is None else load_robot(robot)
+    return workcell(arm, None if camera_pose is None else load_camera_pose(camera_pose), base_frame)
