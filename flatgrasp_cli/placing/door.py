@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flatgrasp_cli.errors import UsageError
 from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion
 from flatgrasp_cli.model import Cloud, CloudWarning
-from flatgrasp_cli.profiles.robot import CameraPose
+
+if TYPE_CHECKING:
+    from flatgrasp_cli.profiles.robot import CameraPose
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from flatgrasp_cli.errors import UsageError
-from flatgrasp_cli.profiles.robot import CameraPose, Robot
-from flatgrasp_cli.robot import BASE_FRAMES
+
+if TYPE_CHECKING:
+    from flatgrasp_cli.profiles.robot import CameraPose, Robot
+
+BASE_FRAMES = ("base", "base_link")
+"""Of a UR arm: its controller's, and ROS's."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,12 +1,11 @@
 """Where an arm of the UR family can go: its kinematics, and how it carries out a grasp. Knows a pose, not a cloud."""
 
-from flatgrasp_cli.robot.frames import BASE_FRAMES, in_dh_base
+from flatgrasp_cli.robot.frames import in_dh_base
 from flatgrasp_cli.robot.kinematics import forward, inverse, manipulability, max_manipulability
 from flatgrasp_cli.robot.motion import Motion, carried_out, flange_at
 from flatgrasp_cli.robot.reach import Plane, reach
 
 __all__ = [
-    "BASE_FRAMES",
     "Motion",
     "Plane",
     "carried_out",

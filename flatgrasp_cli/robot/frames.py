@@ -8,7 +8,6 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
 
-BASE_FRAMES: tuple[Literal["base", "base_link"], ...] = ("base", "base_link")
 HALF_TURN = np.array([-1.0, -1.0, 1.0])
 
 

@@ -38,6 +38,11 @@ KINDS = {
 """By the name that `flatgrasp schema` knows each by."""
 
 
+def schema_id(kind: str) -> str:
+    """What documents of one of the `KINDS` say under `schema`, where they do."""
+    return f"flatgrasp.{kind}/1"
+
+
 def json_schema(kind: str = "plan") -> dict[str, Any]:
     """The JSON Schema (draft 2020-12) of one of the `KINDS`."""
     from importlib import import_module
@@ -49,4 +54,4 @@ def json_schema(kind: str = "plan") -> dict[str, Any]:
     schema = described(getattr(import_module(of.module), of.model), "validation" if is_profile else "serialization")
     if kind == "planner":
         schema = extendable(schema)
-    return {"$schema": DIALECT, "$id": f"flatgrasp.{kind}/1", **schema}
+    return {"$schema": DIALECT, "$id": schema_id(kind), **schema}

@@ -9,8 +9,6 @@ from pydantic import Field
 from flatgrasp_cli.results.contracts.base import Number, Part, Vector3
 from flatgrasp_cli.results.contracts.plan import SensorPart
 
-SCHEMA_ID: Literal["flatgrasp.inspect/1"] = "flatgrasp.inspect/1"
-
 
 class TopicPart(Part):
     """A topic of a recording."""
