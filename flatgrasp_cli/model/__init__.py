@@ -16,7 +16,7 @@ from flatgrasp_cli.model.clouds import (
     Source,
 )
 from flatgrasp_cli.model.grasps import Cage, Closure, Grasp, Reach, Tolerance
-from flatgrasp_cli.model.outlines import OrientedBox, Silhouette, StepPoints
+from flatgrasp_cli.model.outlines import GravityCenter, OrientedBox, Silhouette, StepPoints
 from flatgrasp_cli.model.plans import ObjectPlan, Rejection, Stage, Trace
 from flatgrasp_cli.model.poses import Pose, Poses, Way
 from flatgrasp_cli.model.scenes import Floor, ObjectCloud, Scene, SupportPlane
@@ -33,6 +33,7 @@ __all__ = [
     "Floor",
     "Grasp",
     "GraspCandidates",
+    "GravityCenter",
     "ImageGrid",
     "KnownFrom",
     "ObjectCloud",
