@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from decimal import Decimal, InvalidOperation
 from typing import TYPE_CHECKING, Literal
@@ -69,7 +69,8 @@ class Selection:
     depth_axes: DepthAxes | None = None
     """Whether the frame that depth images are stamped with is an optical one (x right, y down, z forward) or a body's
     (x forward, z up); None: as its name and the transforms tell."""
-    camera_pose: CameraPose | None = None
+    # not in words: a batch's manifest holds it by itself, and a batch begun before goes on only with the same words
+    camera_pose: CameraPose | None = field(default=None, repr=False)
     """Of the clouds' own frame in `base_frame`; None: as a recording's transforms tell."""
 
     @property
