@@ -75,7 +75,7 @@ def batch_values(inputs: list[InputSummary]) -> dict[str, Any]:
         no_grasp_by_stage=dict(stages.most_common()),
         by_input=[one.part() for one in inputs],
     )
-    return document.model_dump(mode="json", by_alias=True)
+    return dict(document)
 
 
 def _of_input(store: Store, item: Input) -> InputSummary:

@@ -68,13 +68,13 @@ def _row(source: str, pair: Comparison) -> dict[str, Any]:
         schema=SCHEMA_ID,
         source=source,
         object=pair.ours.object.id,
-        ours=best and OursPart(width_m=best.width_m, caged=is_caged(best)),
+        ours=None if best is None else OursPart(width_m=best.width_m, caged=is_caged(best)),
         point_fingers=[
             PointFingersPart(width_m=grasp.width_m, executable=verdict is None, reason=verdict)
             for grasp, verdict in zip(pair.theirs, pair.verdicts, strict=True)
         ],
     )
-    return document.model_dump(mode="json", by_alias=True)
+    return dict(document)
 
 
 def _print(rows: list[dict[str, Any]]) -> None:

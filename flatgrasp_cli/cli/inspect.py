@@ -59,7 +59,7 @@ def command(sources: tuple[str, ...], as_json: bool, **images: Any) -> int:
 def _document(summary: Summary) -> dict[str, Any]:
     from flatgrasp_cli.results.contracts import schema_id
 
-    # not made of its contract's model, which takes as long to load as the rest of this command
+    # not made as its contract's type, which takes as long to load as the rest of this command
     return {"schema": schema_id("inspect"), **asdict(summary), "duration_s": summary.duration_s}
 
 

@@ -12,6 +12,7 @@ import click
 from flatgrasp_cli.cli.completion import complete_profile
 from flatgrasp_cli.cli.defaults import config_option, option, overrides, tell
 from flatgrasp_cli.cli.image_options import IMAGE_OPTIONS, of_images, positive
+from flatgrasp_cli.cli.imports import importing
 from flatgrasp_cli.errors import UsageError
 
 if TYPE_CHECKING:
@@ -183,8 +184,9 @@ def _job(
     verbose: bool,
     **frames: Any,
 ) -> Job:
+    with importing():
+        from flatgrasp_cli.job import Job
     from flatgrasp_cli.cli.place_options import parse_sensor, parse_workcell
-    from flatgrasp_cli.job import Job
     from flatgrasp_cli.profiles import load_gripper, load_settings
 
     asked = {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict
-from typing import Any
+from typing import Any, cast
 
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.planner.allen import cage_of
@@ -40,9 +40,9 @@ def cage_document(
                 rank=k + 1,
                 contacts=one.contacts.tolist(),
                 width_m=one.width_m,
-                cage=CagePart(**asdict(cage_of(one, settings.closing))),
+                cage=cast(CagePart, asdict(cage_of(one, settings.closing))),
             )
             for k, one in enumerate(found)
         ],
     )
-    return document.model_dump(mode="json", by_alias=True)
+    return dict(document)

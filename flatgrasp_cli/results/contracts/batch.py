@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
-from pydantic import Field
+from typing import Literal, NotRequired
 
 from flatgrasp_cli.profiles import CameraPose, Gripper, PlannerSettings, Robot
 from flatgrasp_cli.results.contracts.base import Number, Part, Status
@@ -42,7 +40,7 @@ class InputPart(Part):
 class BatchDocument(Part):
     """A whole batch in numbers."""
 
-    id: Literal["flatgrasp.batch/1"] = Field(alias="schema")
+    schema: Literal["flatgrasp.batch/1"]
     """Which contract this is."""
     inputs: int
     """The number of inputs."""
@@ -78,13 +76,13 @@ class RecordObjectPart(Part):
     """Why it has none."""
     stage: str | None
     """The stage that kept nothing; null when it has a grasp."""
-    pose: PosePart | None = None
+    pose: NotRequired[PosePart]
     """The fingertips' frame at its best grasp."""
-    width_m: Number | None = None
+    width_m: NotRequired[Number]
     """How wide it is between the pads then, metres."""
-    opening_m: Number | None = None
+    opening_m: NotRequired[Number]
     """How far to open the hand before, between the pads, metres."""
-    metrics: MetricsPart | None = None
+    metrics: NotRequired[MetricsPart]
     """What the method measured of that grasp."""
 
 
@@ -129,7 +127,7 @@ class RecordDocument(Part):
 class ManifestDocument(Part):
     """What the results in a folder were made with; a batch goes on only with the same."""
 
-    id: Literal["flatgrasp.batch/1"] = Field(alias="schema")
+    schema: Literal["flatgrasp.batch/1"]
     """The contract of the batch's summary."""
     version: str
     """Of flatgrasp."""

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import Field
-
 from flatgrasp_cli.results.contracts.base import Number, Part, Vector2
 from flatgrasp_cli.results.contracts.grasps import CagePart
 
@@ -28,7 +26,7 @@ class PointGraspPart(Part):
 class CageDocument(Part):
     """One outline, and all grasps of two point fingers on it."""
 
-    id: Literal["flatgrasp.cage/1"] = Field(alias="schema")
+    schema: Literal["flatgrasp.cage/1"]
     """Which contract this is."""
     source: str
     """The file or URL, and for a recording the frame's time."""

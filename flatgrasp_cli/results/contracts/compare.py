@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import Field
-
 from flatgrasp_cli.results.contracts.base import Number, Part
 
 SCHEMA_ID: Literal["flatgrasp.compare/1"] = "flatgrasp.compare/1"
@@ -34,7 +32,7 @@ class PointFingersPart(Part):
 class CompareDocument(Part):
     """Both methods' grasps of one object."""
 
-    id: Literal["flatgrasp.compare/1"] = Field(alias="schema")
+    schema: Literal["flatgrasp.compare/1"]
     """Which contract this is."""
     source: str
     """The file or URL, and for a recording the frame's time."""

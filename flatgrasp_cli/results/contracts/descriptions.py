@@ -1,4 +1,4 @@
-"""JSON Schemas whose properties are described by the docstrings below the models' fields."""
+"""JSON Schemas whose properties are described by the docstrings below the fields of models and typed dictionaries."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
-from pydantic import BaseModel
+from pydantic import TypeAdapter
 from pydantic.json_schema import GenerateJsonSchema, JsonSchemaMode, JsonSchemaValue
-from pydantic_core.core_schema import ModelSchema
+from pydantic_core.core_schema import ModelSchema, TypedDictSchema
 
 
 class DescribedSchema(GenerateJsonSchema):
@@ -24,21 +24,16 @@ class DescribedSchema(GenerateJsonSchema):
 
     def model_schema(self, schema: ModelSchema) -> JsonSchemaValue:
         """The JSON Schema of one model, each property with the docstring below its field."""
-        described, model = super().model_schema(schema), schema["cls"]
-        texts: dict[str, str] = {}
-        for base in reversed(model.__mro__):
-            if issubclass(base, BaseModel) and base is not BaseModel:
-                texts |= _docstrings(base.__module__).get(base.__name__, {})
-        names = {field.alias or name: name for name, field in model.model_fields.items()}
-        for key, value in described.get("properties", {}).items():
-            if names[key] in texts:
-                value["description"] = texts[names[key]]
-        return described
+        return _described(super().model_schema(schema), schema["cls"])
+
+    def typed_dict_schema(self, schema: TypedDictSchema) -> JsonSchemaValue:
+        """That of one typed dictionary, which has no other keys."""
+        return _described(super().typed_dict_schema(schema), schema["cls"]) | {"additionalProperties": False}
 
 
-def described(model: type[BaseModel], mode: JsonSchemaMode) -> dict[str, Any]:
-    """The JSON Schema of what a model writes (`serialization`) or takes (`validation`), with descriptions."""
-    return model.model_json_schema(by_alias=True, mode=mode, schema_generator=DescribedSchema)
+def described(of: type, mode: JsonSchemaMode) -> dict[str, Any]:
+    """The JSON Schema of what is written as this type (`serialization`) or taken for it (`validation`), described."""
+    return TypeAdapter(of).json_schema(by_alias=True, mode=mode, schema_generator=DescribedSchema)
 
 
 def extendable(schema: dict[str, Any]) -> dict[str, Any]:
@@ -55,6 +50,23 @@ def extendable(schema: dict[str, Any]) -> dict[str, Any]:
     }
     whole = {key: value for key, value in schema.items() if key != "required"}
     return {**whole, "$defs": parts, "properties": {"extends": extends, **schema["properties"]}}
+
+
+def _described(schema: JsonSchemaValue, of: type) -> JsonSchemaValue:
+    texts = _texts(of)
+    for key, value in schema.get("properties", {}).items():
+        if key in texts:
+            value["description"] = texts[key]
+    return schema
+
+
+def _texts(of: type) -> dict[str, str]:
+    """The docstrings of a type's fields, by field, with those that it inherits."""
+    texts: dict[str, str] = {}
+    for base in getattr(of, "__orig_bases__", of.__bases__):  # a typed dictionary's own say nothing but dict
+        if isinstance(base, type) and base.__module__.partition(".")[0] == __name__.partition(".")[0]:
+            texts |= _texts(base)
+    return texts | _docstrings(of.__module__).get(of.__name__, {})
 
 
 @lru_cache

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import Field
-
 from flatgrasp_cli.results.contracts.base import Number, Part, Vector3
 from flatgrasp_cli.results.contracts.plan import SensorPart
 
@@ -57,7 +55,7 @@ class FirstCloudPart(Part):
 class InspectDocument(Part):
     """What one source holds; times are null where it has none."""
 
-    id: Literal["flatgrasp.inspect/1"] = Field(alias="schema")
+    schema: Literal["flatgrasp.inspect/1"]
     """Which contract this is."""
     path: str
     """The file, folder or URL; `stdin` for standard input."""

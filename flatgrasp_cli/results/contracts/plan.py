@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import Field
-
 from flatgrasp_cli.model import KnownFrom
 from flatgrasp_cli.profiles import Gripper, PlannerSettings, Robot
 from flatgrasp_cli.results.contracts.base import Number, Part, Status, Vector3
@@ -80,7 +78,7 @@ class TimingPart(Part):
 class Document(Part):
     """The answer for one frame."""
 
-    id: Literal["flatgrasp.plan/1"] = Field(alias="schema")
+    schema: Literal["flatgrasp.plan/1"]
     """Which contract this is."""
     status: Status
     """Whether there is a grasp."""
