@@ -33,7 +33,7 @@ from flatgrasp_cli.results.figures.style import DPI, TEXT
 from tests.conftest import I_BEAM, L_SHAPE, MM, SAMPLES, TABLE, Box, Camera, Tube, cloud_of, rectangle, sampled
 
 COMMAND = [sys.executable, "-m", "flatgrasp_cli", "plan"]
-RECORDINGS = {"mcap", "rosbags", "lz4", "google.protobuf", "flatgrasp_cli.sources.messages"}
+RECORDINGS = {"mcap", "rosbags", "lz4", "google.protobuf", "flatgrasp_cli.recordings.messages"}
 NOT_FOR_A_CLOUD = {"open3d", "scipy", "flatgrasp_cli.sources.meshes", *RECORDINGS}
 ALONE = ("teddy_bear", "electric_drill", "pistol", "spray_bottle", "hammer", "juice_box", "pan")
 SHAPES = {"rectangle": rectangle(120, 40), "L": L_SHAPE, "I-beam": I_BEAM}
