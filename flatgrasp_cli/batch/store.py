@@ -18,14 +18,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from flatgrasp_cli import __version__
 from flatgrasp_cli.batch.inputs import Input
+from flatgrasp_cli.batch.manifest import difference, manifest_of
 from flatgrasp_cli.batch.work import Done
 from flatgrasp_cli.errors import UsageError
 from flatgrasp_cli.job import Job
 from flatgrasp_cli.whole_files import write_bytes, write_text
 
-SCHEMA = "flatgrasp.batch/1"
 STATE = ".flatgrasp"
 
 
@@ -62,7 +61,7 @@ class Store:
         UsageError
             If what is there was made with other settings, or by another version.
         """
-        manifest = json.dumps(_manifest(job, plots), indent=2, ensure_ascii=False, sort_keys=True) + "\n"
+        manifest = json.dumps(manifest_of(job, plots), indent=2, ensure_ascii=False, sort_keys=True) + "\n"
         path = self._state / "manifest.json"
         if force:
             shutil.rmtree(self._state, ignore_errors=True)
@@ -70,7 +69,7 @@ class Store:
             before = path.read_text(encoding="utf-8")
             if before != manifest:
                 raise UsageError(
-                    f"{self._out}: holds results made otherwise ({_difference(before, manifest)}); "
+                    f"{self._out}: holds results made otherwise ({difference(before, manifest)}); "
                     "choose another --out, or start over with --force"
                 )
         write_text(path, [manifest])
@@ -105,11 +104,10 @@ class Store:
             frame.record["pictures"] = [f"{item.name}/{name}.{kind}.png" for kind in frame.pictures]
             for path, content in zip(frame.record["pictures"], frame.pictures.values(), strict=True):
                 write_bytes(self._out / path, content)
-        refused = sum(frame.record["status"] != "ok" for frame in done.frames)
         state = InputState(
             fingerprint=fingerprint,
             frames=len(done.frames),
-            refused=refused,
+            refused=sum(frame.record["status"] != "ok" for frame in done.frames),
             error=done.error,
             empty=done.empty,
             warnings=done.warnings,
@@ -127,16 +125,13 @@ class Store:
         states = [state for state in map(self._read_state, parts) if state is not None]
         frames = sum(state.frames for state in states)
         empty = next((state.empty for state in states if state.empty is not None), None) if frames == 0 else None
-        error = next((state.error for state in states if state.error is not None), None) or empty
-        warnings = list(dict.fromkeys(text for state in states for text in state.warnings))
-        refused = sum(state.refused for state in states)
         state = InputState(
             fingerprint=states[0].fingerprint,
             frames=frames,
-            refused=refused,
-            error=error,
+            refused=sum(state.refused for state in states),
+            error=next((state.error for state in states if state.error is not None), None) or empty,
             empty=None,
-            warnings=warnings,
+            warnings=list(dict.fromkeys(text for state in states for text in state.warnings)),
         )
         if frames:
             write_text(self._documents_path(item), _renumbered(parts))
@@ -203,32 +198,6 @@ class Store:
 
 def _sources(inputs: Iterable[Input]) -> Iterator[str]:
     return (f"{item.name}\t{item.source}\n" for item in inputs)
-
-
-def _manifest(job: Job, plots: bool) -> dict[str, Any]:
-    return {
-        "schema": SCHEMA,
-        "version": __version__,
-        "gripper": job.gripper.model_dump(mode="json"),
-        "settings": job.settings.model_dump(mode="json"),
-        "robot": job.mounting.robot and job.mounting.robot.model_dump(mode="json"),
-        "camera": job.mounting.camera and job.mounting.camera.model_dump(mode="json"),
-        "base_frame": job.mounting.base_frame,
-        "selection": repr(job.selection),
-        "sensor": job.sensor and repr(job.sensor),
-        "scale": job.scale,
-        "top": job.top,
-        "plots": plots,
-    }
-
-
-def _difference(before: str, now: str) -> str:
-    """Which entries of two manifests differ."""
-    try:
-        old, new = json.loads(before), json.loads(now)
-        return "other " + ", ".join(sorted(key for key in {*old, *new} if old.get(key) != new.get(key)))
-    except (ValueError, AttributeError):
-        return "its manifest is damaged"
 
 
 def _records(parts: Iterable[Path]) -> Iterator[str]:

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from flatgrasp_cli.methods.comparison import Comparison
     from flatgrasp_cli.planning import Plan
 
-SCHEMA = "flatgrasp.compare/1"
-
 
 @click.command("compare", context_settings=context_of("compare"))
 @click.argument("sources", metavar="CLOUD…", nargs=-1, required=True)
@@ -63,19 +61,21 @@ def command(sources: tuple[str, ...], job: Job, out: Path | None, as_json: bool)
 
 def _row(source: str, pair: Comparison) -> dict[str, Any]:
     from flatgrasp_cli.proof import is_caged
+    from flatgrasp_cli.results.contracts.compare import SCHEMA_ID, CompareDocument, OursPart, PointFingersPart
 
     best = pair.ours.grasps[0] if pair.ours.grasps else None
     widths = [] if pair.theirs is None else pair.theirs.distance.tolist()
-    return {
-        "schema": SCHEMA,
-        "source": source,
-        "object": pair.ours.object.id,
-        "ours": best and {"width_m": best.width_m, "caged": is_caged(best.cage)},
-        "point_fingers": [
-            {"width_m": width_m, "executable": verdict is None, "reason": verdict}
+    document = CompareDocument(
+        schema=SCHEMA_ID,
+        source=source,
+        object=pair.ours.object.id,
+        ours=None if best is None else OursPart(width_m=best.width_m, caged=is_caged(best.cage)),
+        point_fingers=[
+            PointFingersPart(width_m=width_m, executable=verdict is None, reason=verdict)
             for width_m, verdict in zip(widths, pair.verdicts, strict=True)
         ],
-    }
+    )
+    return dict(document)
 
 
 def _print(rows: list[dict[str, Any]]) -> None:

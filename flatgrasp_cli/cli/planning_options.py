@@ -12,6 +12,7 @@ import click
 from flatgrasp_cli.cli.completion import complete_profile
 from flatgrasp_cli.cli.defaults import config_option, option, overrides, tell
 from flatgrasp_cli.cli.image_options import IMAGE_OPTIONS, of_images, positive
+from flatgrasp_cli.cli.imports import importing
 from flatgrasp_cli.errors import UsageError
 
 if TYPE_CHECKING:
@@ -183,10 +184,10 @@ def _job(
     verbose: bool,
     **frames: Any,
 ) -> Job:
-    from flatgrasp_cli.job import Job
-    from flatgrasp_cli.mounting import mounting
+    with importing():
+        from flatgrasp_cli.job import Job
+    from flatgrasp_cli.cli.place_options import parse_sensor, parse_workcell
     from flatgrasp_cli.profiles import load_gripper, load_settings
-    from flatgrasp_cli.sensor.statement import parse_sensor
 
     asked = {
         "scene": f"scene.mode={scene}" if scene else None,
@@ -205,7 +206,7 @@ def _job(
     return Job(
         gripper=load_gripper(gripper),
         settings=load_settings(method, tuple(each.text for each in settings)),
-        mounting=mounting(robot, camera_pose, base_frame),
+        workcell=parse_workcell(robot, camera_pose, base_frame),
         selection=replace(_selection(**frames), sensor_frame=stated if isinstance(stated, str) else None),
         sensor=None if isinstance(stated, str) else stated,
         scale=scale,

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame
 
@@ -19,6 +21,21 @@ class OrientedBox:
     frame: Frame
     size: FloatArray
     aabb: FloatArray
+
+    @classmethod
+    def around(
+        cls, mean: FloatArray, centred: FloatArray, axes: FloatArray, bottom: float | None = None
+    ) -> OrientedBox:
+        """The box with `axes` (3, 3), its rows, around points (3, n) about their `mean` (3,).
+
+        It goes down to `bottom`, a height along its z axis over the mean, where that is given.
+        """
+        local = axes @ centred
+        low, high = local.min(axis=1), local.max(axis=1)
+        if bottom is not None:
+            low[2] = bottom
+        frame = Frame(mean + 0.5 * (low + high) @ axes, axes)
+        return cls(frame, high - low, mean + np.stack([centred.min(axis=1), centred.max(axis=1)]))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -4,6 +4,6 @@
 """
 
 from flatgrasp_cli.planning.lifting import plan_object
-from flatgrasp_cli.planning.scenes import Plan, in_base_frame, plan
+from flatgrasp_cli.planning.scenes import Plan, plan
 
-__all__ = ["Plan", "in_base_frame", "plan", "plan_object"]
+__all__ = ["Plan", "plan", "plan_object"]

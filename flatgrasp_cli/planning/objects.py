@@ -27,7 +27,7 @@ from flatgrasp_cli.planner.silhouette import silhouette, without_strays
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.proof import Certificates, certified, forgiven_m, is_caged, why_not
-from flatgrasp_cli.surroundings import Place, from_the_side, hanging_m, places
+from flatgrasp_cli.surroundings import Place, box_on, from_the_side, hanging_m, places
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,7 +56,9 @@ def answer_for(cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings, 
     """
     if cloud.support is None:
         cloud = replace(cloud, points=without_strays(cloud.points, settings.silhouette))
-    box = oriented_box(cloud.points, cloud.toward, settings.main_plane.method, cloud.support)
+        box = oriented_box(cloud.points, cloud.toward, settings.main_plane.method)
+    else:
+        box = box_on(cloud.support, cloud.points, settings.main_plane.method)
     if box is None:
         return _nothing("main_plane", _no_plane(cloud.points, settings.scene.crop is not None))
     whole, *slices = places(cloud, box, settings)

@@ -6,9 +6,9 @@ Numbers are finite or null. Adding a key is fine; renaming one or changing its m
 from __future__ import annotations
 
 import json
-import math
+from collections.abc import Callable
 from dataclasses import asdict
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import numpy as np
 
@@ -20,40 +20,48 @@ from flatgrasp_cli.model import (
     Pose,
     Poses,
     Reach,
+    Rejection,
     Sensor,
     Silhouette,
     SupportPlane,
 )
 from flatgrasp_cli.planning import Plan
-from flatgrasp_cli.results.contracts import (
-    SCHEMA_ID,
-    AabbPart,
-    BoxPart,
-    CagePart,
-    ClosurePart,
-    Document,
-    FingersPart,
+from flatgrasp_cli.results.contracts.grasps import (
     GraspPart,
-    GravityPart,
     JointsPart,
     MetricsPart,
-    MissPart,
-    ObjectPart,
     PosePart,
     PosesPart,
     ReachPart,
-    SensorPart,
+)
+from flatgrasp_cli.results.contracts.objects import (
+    AabbPart,
+    BoxPart,
+    FingersPart,
+    GravityPart,
+    MissPart,
+    ObjectPart,
     SilhouettePart,
-    SourcePart,
     StagePart,
+)
+from flatgrasp_cli.results.contracts.plan import (
+    SCHEMA_ID,
+    Document,
+    SensorPart,
+    SourcePart,
     SupportPlanePart,
     TimingPart,
     WarningPart,
 )
+from flatgrasp_cli.results.numbers import number, numbers, rounded
 from flatgrasp_cli.results.remedies import remedy_of
 
-DECIMALS = 9
-"""A nanometre, and well below what a double holds of a scene's coordinates."""
+if TYPE_CHECKING:
+    from flatgrasp_cli.model.grasps import Cage, Closure
+    from flatgrasp_cli.profiles.base import Profile
+
+Thing = TypeVar("Thing")
+Made = TypeVar("Made")
 
 
 def to_document(plan: Plan, read_ms: float = 0.0) -> dict[str, Any]:
@@ -84,10 +92,10 @@ def to_document(plan: Plan, read_ms: float = 0.0) -> dict[str, Any]:
         sensor=_sensor(cloud.sensor or Sensor("assumed")),
         warnings=[WarningPart(code=warning.code, text=warning.text) for warning in plan.warnings],
         frame_id=cloud.frame_name,
-        gripper=plan.gripper,
-        robot=plan.robot,
-        settings=plan.settings,
-        support_plane=plan.scene.support and _plane(plan.scene.support),
+        gripper=_values(plan.gripper),
+        robot=_optional(_values, plan.robot),
+        settings=_values(plan.settings),
+        support_plane=_optional(_plane, plan.scene.support),
         objects=[_object(item, plan) for item in plan.objects],
         timing_ms=TimingPart(
             read=round(read_ms, 3),
@@ -96,7 +104,7 @@ def to_document(plan: Plan, read_ms: float = 0.0) -> dict[str, Any]:
             total=round(read_ms + plan.scene_ms + plan.plan_ms, 3),
         ),
     )
-    return document.model_dump(mode="json", by_alias=True)
+    return dict(document)
 
 
 def to_json(document: dict[str, Any], *, indent: int | None = None) -> str:
@@ -107,15 +115,15 @@ def to_json(document: dict[str, Any], *, indent: int | None = None) -> str:
 
 def _sensor(sensor: Sensor) -> SensorPart:
     return SensorPart(
-        position=None if sensor.position is None else _numbers(sensor.position),
-        direction=None if sensor.direction is None else _numbers(sensor.direction),
+        position=None if sensor.position is None else numbers(sensor.position),
+        direction=None if sensor.direction is None else numbers(sensor.direction),
         known_from=sensor.known_from,
     )
 
 
 def _plane(plane: SupportPlane) -> SupportPlanePart:
     return SupportPlanePart(
-        normal=_numbers(plane.normal), offset_m=_number(plane.offset_m), noise_m=_number(plane.noise_m)
+        normal=numbers(plane.normal), offset_m=number(plane.offset_m), noise_m=number(plane.noise_m)
     )
 
 
@@ -128,14 +136,13 @@ def _object(item: ObjectPlan, plan: Plan) -> ObjectPart:
         status="ok" if item.grasps else "no_grasp",
         reason=rejection.reason if rejection else None,
         remedy=remedy_of(plan, item),
-        nearest_miss=rejection
-        and MissPart(stage=rejection.stage, value=_number(rejection.value), limit=_number(rejection.limit)),
-        obb=box and _box(box),
-        aabb=box and AabbPart(min=_numbers(box.aabb[0]), max=_numbers(box.aabb[1])),
-        silhouette=outline and _silhouette(outline, item.level_m),
-        gravity_center=item.shape and _gravity(item.shape),
+        nearest_miss=_optional(_miss, rejection),
+        obb=_optional(_box, box),
+        aabb=_optional(_aabb, box),
+        silhouette=None if outline is None else _silhouette(outline, item.level_m),
+        gravity_center=_optional(_gravity, item.shape),
         fingers=FingersPart(
-            step_m=_number(trace.steps[0].step_m) if trace.steps else None, doubted_directions=trace.doubted_directions
+            step_m=number(trace.steps[0].step_m) if trace.steps else None, doubted_directions=trace.doubted_directions
         ),
         funnel=[StagePart(stage=stage.stage, kept=stage.kept) for stage in item.funnel],
         grasps=[_grasp(grasp, plan) for grasp in item.grasps],
@@ -144,26 +151,34 @@ def _object(item: ObjectPlan, plan: Plan) -> ObjectPart:
 
 
 def _box(box: OrientedBox) -> BoxPart:
-    return BoxPart(center=_numbers(box.frame.origin), axes=_numbers(box.frame.axes), size_m=_numbers(box.size))
+    return BoxPart(center=numbers(box.frame.origin), axes=numbers(box.frame.axes), size_m=numbers(box.size))
+
+
+def _aabb(box: OrientedBox) -> AabbPart:
+    return AabbPart(min=numbers(box.aabb[0]), max=numbers(box.aabb[1]))
+
+
+def _miss(rejection: Rejection) -> MissPart:
+    return MissPart(stage=rejection.stage, value=number(rejection.value), limit=number(rejection.limit))
 
 
 def _silhouette(outline: Silhouette, level_m: float | None) -> SilhouettePart:
     return SilhouettePart(
-        origin=_numbers(outline.frame.origin),
-        axes=_numbers(outline.frame.axes[:2]),
-        loops=[_numbers(loop) for loop in outline.loops],
-        level_m=_number(level_m),
-        alpha_m=_number(outline.alpha_m),
-        coverage=_number(outline.coverage),
+        origin=numbers(outline.frame.origin),
+        axes=numbers(outline.frame.axes[:2]),
+        loops=[numbers(loop) for loop in outline.loops],
+        level_m=number(level_m),
+        alpha_m=number(outline.alpha_m),
+        coverage=number(outline.coverage),
     )
 
 
 def _gravity(shape: PlaneShape) -> GravityPart:
     plane, center = shape.silhouette.frame, shape.gravity_center
     return GravityPart(
-        area=_numbers(plane.to_world(center.area)),
-        points=_numbers(plane.to_world(center.points)),
-        distance_m=_number(float(np.linalg.norm(center.area - center.points))),
+        area=numbers(plane.to_world(center.area)),
+        points=numbers(plane.to_world(center.points)),
+        distance_m=number(float(np.linalg.norm(center.area - center.points))),
         used=center.used,
     )
 
@@ -177,15 +192,15 @@ def _grasp(grasp: Grasp, plan: Plan) -> GraspPart:
         lift=_pose(grasp.lift),
         flange=_poses(grasp.flange),
         hand=None if grasp.hand is grasp.flange else _poses(grasp.hand),
-        tip_shift_m=_number(gripper.finger_length_at_m(grasp.width_m) - gripper.finger_length_at_m(grasp.opening_m)),
-        opening_m=_number(grasp.opening_m),
-        width_m=_number(grasp.width_m),
-        contacts=_numbers(grasp.contacts),
-        fingers=grasp.fingers,
-        metrics=MetricsPart(**{name: _number(getattr(grasp, name)) for name in MetricsPart.model_fields}),
-        force_closure=grasp.closure and ClosurePart(**_rounded(asdict(grasp.closure))),
-        cage=grasp.cage and CagePart(**_rounded(asdict(grasp.cage))),
-        reach=grasp.reach and _reach(grasp.reach),
+        tip_shift_m=number(gripper.finger_length_at_m(grasp.width_m) - gripper.finger_length_at_m(grasp.opening_m)),
+        opening_m=number(grasp.opening_m),
+        width_m=number(grasp.width_m),
+        contacts=numbers(grasp.contacts),
+        fingers=cast(Any, list(grasp.fingers)),
+        metrics=cast(MetricsPart, {name: number(getattr(grasp, name)) for name in MetricsPart.__annotations__}),
+        force_closure=_optional(_fields, grasp.closure),
+        cage=_optional(_fields, grasp.cage),
+        reach=_optional(_reach, grasp.reach),
     )
 
 
@@ -194,35 +209,32 @@ def _poses(poses: Poses) -> PosesPart:
 
 
 def _pose(pose: Pose) -> PosePart:
-    return PosePart(position=_numbers(pose.position), orientation=_numbers(pose.orientation))
+    return PosePart(position=numbers(pose.position), orientation=numbers(pose.orientation))
 
 
 def _reach(reach: Reach) -> ReachPart:
-    joints = None if reach.joints_rad is None else _numbers(reach.joints_rad)
+    joints = None if reach.joints_rad is None else numbers(reach.joints_rad)
     return ReachPart(
         ok=reach.ok,
         joints_rad=joints and JointsPart(pre_grasp=joints[0], grasp=joints[1], lift=joints[2]),
-        manipulability=_number(reach.manipulability),
-        manipulability_share=_number(reach.manipulability_share),
+        manipulability=number(reach.manipulability),
+        manipulability_share=number(reach.manipulability_share),
         twin=reach.twin,
         waypoint=reach.waypoint,
         limit=reach.limit,
     )
 
 
-def _number(value: float | None) -> Any:
-    """A rounded number, or None for what JSON cannot hold."""
-    return None if value is None or not math.isfinite(value) else round(value, DECIMALS) + 0.0  # no −0.0
+def _optional(part: Callable[[Thing], Made], thing: Thing | None) -> Made | None:
+    """The part that is made of a thing; None without one."""
+    return None if thing is None else part(thing)
 
 
-def _rounded(record: dict[str, Any]) -> dict[str, Any]:
-    """A record with its numbers rounded, those of records in it, too."""
-    return {
-        key: _rounded(value) if isinstance(value, dict) else _number(value) if isinstance(value, float) else value
-        for key, value in record.items()
-    }
+def _fields(record: Cage | Closure) -> Any:
+    """What a record of numbers holds, by name."""
+    return rounded(asdict(record))
 
 
-def _numbers(values: Any) -> Any:
-    """A nested list of rounded numbers."""
-    return (np.round(values, DECIMALS) + 0.0).tolist()
+def _values(profile: Profile) -> Any:
+    """All values of a profile, by key."""
+    return profile.model_dump(mode="json")

@@ -168,7 +168,18 @@ def _parse(lines: dict[str, list[str]], begin: int, cr: bool) -> PcdHeader:
     data = " ".join(lines["DATA"]).lower()
     if data not in ("ascii", "binary", "binary_compressed"):
         raise ValueError(f"DATA {' '.join(lines['DATA'])} is none of ascii, binary, binary_compressed")
-    return PcdHeader(fields, types, counts, width, height, viewpoint, points, data, begin, cr)
+    return PcdHeader(
+        fields=fields,
+        types=types,
+        counts=counts,
+        width=width,
+        height=height,
+        viewpoint=viewpoint,
+        points=points,
+        data=data,
+        begin=begin,
+        cr=cr,
+    )
 
 
 def _places(fields: tuple[str, ...], axis: str) -> list[int]:

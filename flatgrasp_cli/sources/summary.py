@@ -10,18 +10,17 @@ from typing import Any
 
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.model import UNNAMED_FRAME, Cloud, Sensor
+from flatgrasp_cli.recordings.containers import Recording, Topic, is_recording, open_recording
+from flatgrasp_cli.recordings.messages import CLOUD_TYPES, MessageError
 from flatgrasp_cli.sensor import located
-from flatgrasp_cli.sources.containers import Recording, Topic, is_recording, open_recording
 from flatgrasp_cli.sources.files import kind_of_file, read_kind
 from flatgrasp_cli.sources.folders import folder_images, kind_of_folder
 from flatgrasp_cli.sources.frames import usable_frames
-from flatgrasp_cli.sources.messages import CLOUD_TYPES, MessageError
 from flatgrasp_cli.sources.open import STDIN, on_disk
 from flatgrasp_cli.sources.pcd_header import read_pcd_header
-from flatgrasp_cli.sources.placement import TRANSFORM_TYPES
 from flatgrasp_cli.sources.selection import EVERYTHING, NS, Selection
 from flatgrasp_cli.sources.topics import depth_topics
-from flatgrasp_cli.sources.transforms import TransformBuffer
+from flatgrasp_cli.sources.transforms import TRANSFORM_TYPES, TransformBuffer
 
 DECIMALS = 9
 TRANSFORMS_READ = 1000
@@ -100,14 +99,14 @@ def summarize(source: str, selection: Selection = EVERYTHING) -> Summary:
             clouds = tuple(_of_clouds(name, recording, selection))
             frames = {*_frames(recording), *(cloud.frame_id for cloud in clouds)} - {UNNAMED_FRAME}
             return Summary(
-                name,
-                recording.container,
-                recording.start_ns,
-                recording.end_ns,
-                topics,
-                tuple(sorted(frames)),
-                clouds,
-                dict(recording.problems.counts),
+                path=name,
+                container=recording.container,
+                start_ns=recording.start_ns,
+                end_ns=recording.end_ns,
+                topics=topics,
+                frames=tuple(sorted(frames)),
+                clouds=clouds,
+                problems=dict(recording.problems.counts),
             )
 
 
@@ -131,7 +130,7 @@ def _of_topic(topic: Topic, recording: Recording) -> TopicSummary:
     if topic.count is not None and topic.count > 1 and recording.start_ns is not None and recording.end_ns is not None:
         duration_ns = recording.end_ns - recording.start_ns
         rate = (topic.count - 1) * NS / duration_ns if duration_ns > 0 else None
-    return TopicSummary(topic.name, topic.type, topic.encoding, topic.count, rate)
+    return TopicSummary(name=topic.name, type=topic.type, encoding=topic.encoding, count=topic.count, rate_hz=rate)
 
 
 def _of_clouds(name: str, recording: Recording, selection: Selection) -> Iterator[CloudSummary]:

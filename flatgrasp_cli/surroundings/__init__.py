@@ -7,6 +7,6 @@ whether an object's thickness was seen, how far the hand can come, and what that
 from flatgrasp_cli.surroundings.alone import Alone
 from flatgrasp_cli.surroundings.interface import Surroundings
 from flatgrasp_cli.surroundings.on_support import OnSupport
-from flatgrasp_cli.surroundings.places import Place, from_the_side, hanging_m, places
+from flatgrasp_cli.surroundings.places import Place, box_on, from_the_side, hanging_m, places
 
-__all__ = ["Alone", "OnSupport", "Place", "Surroundings", "from_the_side", "hanging_m", "places"]
+__all__ = ["Alone", "OnSupport", "Place", "Surroundings", "box_on", "from_the_side", "hanging_m", "places"]

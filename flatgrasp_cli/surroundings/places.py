@@ -7,12 +7,14 @@ the method runs on what stands out above each of several levels, too.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.height_map import HeightMap
+from flatgrasp_cli.geometry.principal_axes import main_axes, principal_axes
 from flatgrasp_cli.geometry.range_image import RangeImage
 from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.geometry.spacing import spacing
@@ -57,6 +59,23 @@ class Place:
     points: FloatArray
     surroundings: Surroundings
     spacing_m: float | None = None
+
+
+def box_on(support: SupportPlane, points: FloatArray, method: Literal["pca", "min_area"]) -> OrientedBox | None:
+    """The box of `points` (n, 3) that stands on a support plane, to which its main plane is parallel.
+
+    What a sensor above sees of an object tells neither its minor axis nor its bottom. None if the points lie on a line
+    seen along the normal.
+    """
+    if len(points) < 3:
+        return None
+    mean = points.mean(axis=0)
+    centred = np.ascontiguousarray((points - mean).T)
+    axes = principal_axes(np.asarray(centred - np.outer(support.normal, support.normal @ centred)))
+    if axes is None:
+        return None
+    bottom = float(support.offset_m - support.normal @ mean)
+    return OrientedBox.around(mean, centred, main_axes(centred, support.normal, axes[2], method), bottom)
 
 
 def places(cloud: ObjectCloud, box: OrientedBox, settings: PlannerSettings) -> list[Place]:

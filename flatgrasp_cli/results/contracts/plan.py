@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
-
-from pydantic import Field
+from typing import Literal
 
 from flatgrasp_cli.model import KnownFrom
 from flatgrasp_cli.profiles import Gripper, PlannerSettings, Robot
@@ -80,7 +78,7 @@ class TimingPart(Part):
 class Document(Part):
     """The answer for one frame."""
 
-    id: Literal["flatgrasp.plan/1"] = Field(alias="schema")
+    schema: Literal["flatgrasp.plan/1"]
     """Which contract this is."""
     status: Status
     """Whether there is a grasp."""
@@ -108,11 +106,3 @@ class Document(Part):
     """The objects, the one with the best grasp first."""
     timing_ms: TimingPart
     """What took how long, milliseconds."""
-
-
-def json_schema() -> dict[str, Any]:
-    """The JSON Schema (draft 2020-12) of a document."""
-    from flatgrasp_cli.results.contracts.descriptions import DescribedSchema
-
-    schema = Document.model_json_schema(by_alias=True, mode="serialization", schema_generator=DescribedSchema)
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": SCHEMA_ID, **schema}
