@@ -58,12 +58,13 @@ def caption(figure: Figure) -> dict[str, str]:
         if text.get_fontweight() == "bold":
             word = text.get_text()
         elif text is not figure._suptitle:  # type: ignore[attr-defined]
-            rows[word] = f"{rows[word]} {text.get_text()}" if word in rows else text.get_text()
+            words = text.get_text().replace("\N{NO-BREAK SPACE}", " ")
+            rows[word] = f"{rows[word]} {words}" if word in rows else words
     return rows
 
 
 def legend(figure: Figure) -> set[str]:
-    return {text.get_text() for text in figure.legends[0].get_texts()}
+    return {text.get_text().replace("\n", " ") for text in figure.legends[0].get_texts()}
 
 
 def fingers(axes: Axes) -> list[FloatArray]:
