@@ -238,15 +238,21 @@ class TestCage:
 
 
 class TestLines:
-    def test_words_are_kept_together(self) -> None:
-        assert in_lines("the hand comes along", 0.8) == ["the hand", "comes along"]
-        assert in_lines("", 1.0) == [""]
+    @pytest.fixture
+    def page(self) -> Figure:
+        return Page("", 1).figure
 
-    def test_a_place_stays_on_one_line(self) -> None:
+    def test_words_are_kept_together(self, page: Figure) -> None:
+        lines = in_lines(page, "the hand comes along", 0.85)
+        assert lines == ["the hand", "comes along"]
+        assert all(page.text(0, 0, line, fontsize=9).get_window_extent().width <= 0.85 * page.dpi for line in lines)
+        assert in_lines(page, "", 1.0) == [""]
+
+    def test_a_place_stays_on_one_line(self, page: Figure) -> None:
         place = "x\N{NO-BREAK SPACE}12,\N{NO-BREAK SPACE}y\N{NO-BREAK SPACE}7\N{NO-BREAK SPACE}mm"
-        assert in_lines(f"ends at {place}", 1.0) == ["ends at", place]
+        assert in_lines(page, f"it ends at {place}", 1.0) == ["it ends at", place]
 
-    def test_a_word_longer_than_a_line_is_cut(self) -> None:
-        lines = in_lines("a" * 60 + " end", 1.0)
+    def test_a_word_longer_than_a_line_is_cut(self, page: Figure) -> None:
+        lines = in_lines(page, "a" * 60 + " end", 1.0)
         assert "".join(lines) == "a" * 60 + " end"
         assert len(lines) > 3

@@ -57,7 +57,7 @@ def draw_close(axes: Axes, plan: Plan, item: ObjectPlan, view: View, *, places: 
         axes.plot(*place.T, "P", color=PURPLE, ms=9, mec="white", zorder=7, ls="none", label="centre of gravity")
     _show(axes, drawn)
     tick_labels(axes, view)
-    labels = draw_places(axes, view, plan) if places else []
+    labels = draw_places(axes, view, plan, drawn) if places else []
     drawn = np.vstack([drawn, *(label.thing for label in labels)])
     drawn = np.vstack([drawn, draw_triad(axes, view, plan.cloud.frame_name, drawn)])
     if item.grasps:

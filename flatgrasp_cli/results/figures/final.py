@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from flatgrasp_cli.geometry.arrays import FloatArray
@@ -80,7 +81,8 @@ def _where(plan: Plan, best: Grasp) -> str:
 
 def _place(position: FloatArray) -> str:
     """A place (3,) in words that stay on one line."""
-    numbers = (f"{name}{NO_BREAK}{value:.0f}" for name, value in zip("xyz", MM * position, strict=True))
+    whole = np.round(MM * position) + 0.0  # no minus before a zero
+    numbers = (f"{name}{NO_BREAK}{value:.0f}" for name, value in zip("xyz", whole, strict=True))
     return f",{NO_BREAK}".join(numbers).replace("-", "−") + f"{NO_BREAK}mm"
 
 

@@ -70,16 +70,15 @@ def hand_solids(grasp: Grasp, gripper: Gripper) -> tuple[list[FloatArray], Float
 
 
 def hand_extent(grasp: Grasp, view: View, gripper: Gripper) -> FloatArray:
-    """Points (n, 2) along what is drawn of a hand: fingers, palm and closing line."""
+    """Points (n, 2) along what is drawn of a hand: fingers, palm, closing line and axes."""
     x, y = gripper.hand_width_m / 2, gripper.palm_m / 2
     rectangles = [*finger_boxes(gripper, grasp.opening_m), (-x, x, -y, y)]
     corners = np.array([_corners(*sides) for sides in rectangles])
     along = np.linspace(0.0, 1.0, 9)[:, None]
     edges = [a + along * (b - a) for box in corners for a, b in zip(box, np.roll(box, -1, axis=0), strict=True)]
     line = np.column_stack([np.zeros(9), (along[:, 0] - 0.5) * grasp.opening_m])
-    return DrawnHand.of(grasp, view).place(
-        np.vstack([*edges, line, *(tip for _, tip, _ in _axes_beyond(grasp, gripper))])
-    )
+    arrows = [start + along * (name - start) for start, name, _ in _axes_beyond(grasp, gripper)]
+    return DrawnHand.of(grasp, view).place(np.vstack([*edges, line, *arrows]))
 
 
 def _axes_beyond(grasp: Grasp, gripper: Gripper) -> list[tuple[FloatArray, FloatArray, str]]:

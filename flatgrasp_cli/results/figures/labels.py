@@ -10,13 +10,16 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.results.figures.style import GREY
 
 DIRECTIONS = np.column_stack([f(2 * np.pi * np.arange(16) / 16) for f in (np.cos, np.sin)])
-DISTANCES_PX = (4.0, 12.0, 24.0, 40.0, 64.0)
+DISTANCES_PX = (4.0, 12.0, 24.0, 40.0, 64.0, 100.0, 150.0)
 FAR_PX = 10.0
 """A label farther from its thing than this has a line to it."""
 LEADER_POINTS = 24
+MOST_POINTS = 500
+"""Of a thing that its label's place is measured from."""
 PADDING_PX = 6.0
 """Room that a label needs around its letters: for its frame, and for some paper around that."""
 OVER_LABEL, OUTSIDE = 1e3, 1e6
@@ -38,29 +41,47 @@ def put(axes: Axes, labels: Sequence[Label], drawn: FloatArray) -> None:
 
     The axes' limits must be those of the finished drawing.
     """
-    area = axes.get_window_extent().get_points()
-    busy = axes.transData.transform(drawn)
-    taken: list[FloatArray] = []
+    page = _Page(axes.get_window_extent().get_points(), axes.transData.transform(drawn), [])
     for label in labels:
-        thing = axes.transData.transform(label.thing)
+        thing = axes.transData.transform(label.thing[spread_indices(len(label.thing), MOST_POINTS)])
         style: dict[str, Any] = {"ha": "center", "va": "center", "zorder": 10} | label.style
         text = axes.text(0.0, 0.0, label.text, **style)
         half = 0.5 * np.array(text.get_window_extent().size) + PADDING_PX
-        spots = _spots(thing, half)
-        leaders = [_leader(thing, spot, half) for spot in spots]
-        distances = [float(np.linalg.norm(leader[0] - leader[-1])) for leader in leaders]
-        costs = [
-            _cost(spot, half, busy, area) + OVER_LABEL * _covered(taken, spot, half, leader) + PER_PX * away
-            for spot, away, leader in zip(spots, distances, leaders, strict=True)
-        ]
-        best = int(np.argmin(costs))
-        spot, leader = spots[best], leaders[best]
-        taken.append(np.stack([spot - half, spot + half]))
+        spot, leader = _best_spot(thing, half, page)
+        page.taken.append(np.stack([spot - half, spot + half]))
         to_data = axes.transData.inverted().transform
         text.set_position(tuple(to_data(spot)))
-        if distances[best] > FAR_PX:
-            busy = np.vstack([busy, leader])
+        if _length(leader) > FAR_PX:
+            page.busy = np.vstack([page.busy, leader])
             axes.plot(*to_data(leader).T, color=GREY, lw=0.7, zorder=9)
+
+
+@dataclass(slots=True, eq=False)
+class _Page:
+    """The corners (2, 2) of where labels may be, points (m, 2) that are not to be covered, and labels' boxes (2, 2)."""
+
+    area: FloatArray
+    busy: FloatArray
+    taken: list[FloatArray]
+
+
+def _best_spot(thing: FloatArray, half: FloatArray, page: _Page) -> tuple[FloatArray, FloatArray]:
+    """The middle (2,) of a label of half a size (2,), and points (k, 2) of the line from its edge to its thing."""
+    best = (np.inf, thing[0], thing[:1])
+    for distance in DISTANCES_PX:
+        if best[0] <= PER_PX * distance:  # from here on the distance alone costs more
+            break
+        for spot in _spots(thing, half, distance):
+            leader = _leader(thing, spot, half)
+            cost = _cost(spot, half, page.busy, page.area) + PER_PX * _length(leader)
+            cost += OVER_LABEL * _covered(page.taken, spot, half, leader)
+            if cost < best[0]:
+                best = (cost, spot, leader)
+    return best[1:]
+
+
+def _length(line: FloatArray) -> float:
+    return float(np.linalg.norm(line[0] - line[-1]))
 
 
 def _leader(thing: FloatArray, spot: FloatArray, half: FloatArray) -> FloatArray:
@@ -70,11 +91,11 @@ def _leader(thing: FloatArray, spot: FloatArray, half: FloatArray) -> FloatArray
     return np.linspace(edge[nearest], thing[nearest], LEADER_POINTS)
 
 
-def _spots(thing: FloatArray, half: FloatArray) -> FloatArray:
-    """Places (k, 2) around a thing for the middle of a label of half a size (2,)."""
+def _spots(thing: FloatArray, half: FloatArray, distance: float) -> FloatArray:
+    """Places (k, 2) all around a thing for the middle of a label of half a size (2,)."""
     middle = 0.5 * (thing.min(axis=0) + thing.max(axis=0))
     reach = ((thing - middle) @ DIRECTIONS.T).max(axis=0) + np.abs(DIRECTIONS) @ half
-    return np.concatenate([middle + (reach + away)[:, None] * DIRECTIONS for away in DISTANCES_PX])
+    return np.asarray(middle + (reach + distance)[:, None] * DIRECTIONS)
 
 
 def _cost(spot: FloatArray, half: FloatArray, busy: FloatArray, area: FloatArray) -> float:

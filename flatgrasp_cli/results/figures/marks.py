@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -30,6 +29,9 @@ ALIKE = float(np.cos(np.radians(25)))
 """Arrows closer than this to each other's direction are named beside their ends: beyond them is the other arrow."""
 INSET, ARROW_SHARE, APART_SHARE = 0.03, 0.08, 0.08
 """Of a panel: how far from its edge, and how long, an arrow to something outside is, and how far apart two are."""
+SHIFTS = (0, 1, -1, 2, -2, 3, -3, 4, -4)
+"""By how many times that an arrow may be moved along its edge, the least first."""
+MARK_POINTS = 8
 IN_PIXELS: dict[str, Any] = {
     "xycoords": "axes pixels",
     "textcoords": "axes pixels",
@@ -92,8 +94,11 @@ def _name_place(ends: FloatArray, k: int) -> FloatArray:
     return np.asarray(end + NAME_PX * way)
 
 
-def draw_places(axes: Axes, view: View, plan: Plan) -> list[Label]:
-    """Where the sensor was and the robot's base is, if that is known and can be drawn; with their labels."""
+def draw_places(axes: Axes, view: View, plan: Plan, drawn: FloatArray) -> list[Label]:
+    """Where the sensor was and the robot's base is, if that is known and can be drawn; with their labels.
+
+    Where there is a choice they are kept off what is `drawn` (n, 2).
+    """
     places = []
     if plan.robot is not None:
         base = view.of_world(np.zeros((1, 3)))[0]
@@ -104,31 +109,41 @@ def draw_places(axes: Axes, view: View, plan: Plan) -> list[Label]:
         places.append((view.of_world(sensor.position[None])[0], name, "camera, and the way it looks", SKY))
     labels: list[Label] = []
     for place, name, meaning, color in places:
-        beside = [label.thing[0] for label in labels]
-        labels.append(draw_place(axes, place, name, color=color, beside=beside))
+        labels.append(draw_place(axes, place, name, color=color, drawn=drawn))
+        drawn = np.vstack([drawn, labels[-1].thing])
         axes.add_line(Line2D([], [], color=color, marker="s", ms=6, lw=2.0, label=meaning))
     return labels
 
 
-def draw_place(axes: Axes, place: FloatArray, name: str, *, color: str, beside: Sequence[FloatArray] = ()) -> Label:
+def draw_place(axes: Axes, place: FloatArray, name: str, *, color: str, drawn: FloatArray) -> Label:
     """A place (2,), with an arrow to the drawing's middle; of one outside the arrow comes from that edge.
 
-    There it is moved along the edge where it would cover one of the marks `beside`, places (2,).
+    There it is moved along the edge, as little as need be, where it would come too close to what is `drawn` (n, 2).
     """
     low, high = np.column_stack([axes.get_xlim(), axes.get_ylim()])
     middle, half, size = 0.5 * (low + high), (0.5 - INSET) * (high - low), float((high - low).max())
     away = place - middle
     share = np.abs(away / half)
-    start = place if share.max() <= 1 else middle + away / share.max()
-    along = np.eye(2)[int(np.argmin(share))]
-    while share.max() > 1 and any(np.linalg.norm(start - other) < APART_SHARE * size for other in beside):
-        start = start + APART_SHARE * size * along
-    way = middle - start
-    end = start + way * min(1.0, ARROW_SHARE * size / max(float(np.linalg.norm(way)), 1e-9))
+    outside, along = share.max() > 1, np.eye(2)[int(np.argmin(share))]
+
+    def mark(shift: int) -> FloatArray:
+        start = middle + away / max(share.max(), 1.0) + shift * APART_SHARE * size * along
+        way = middle - start
+        end = start + way * min(1.0, ARROW_SHARE * size / max(float(np.linalg.norm(way)), 1e-9))
+        return np.asarray(np.linspace(start, end, MARK_POINTS))
+
+    def room(shift: int) -> float:
+        points = mark(shift)
+        if (np.abs(points - middle) > half + 1e-9 * size).any():
+            return -1.0
+        gap = np.linalg.norm(points[:, None] - drawn[None], axis=2).min(initial=np.inf)
+        return min(float(gap), 0.5 * APART_SHARE * size)
+
+    points = mark(max(SHIFTS, key=room) if outside else 0)
     arrow = {"arrowstyle": "-|>", "color": color, "lw": 2.0, "shrinkA": 0, "shrinkB": 0}
-    axes.annotate("", tuple(end), tuple(start), arrowprops=arrow, zorder=8)
-    axes.plot(*start, "s", color=color, ms=7, zorder=8)
-    return Label(name, np.linspace(start, end, 8), {"fontsize": 9, "color": color, "bbox": HALO})
+    axes.annotate("", tuple(points[-1]), tuple(points[0]), arrowprops=arrow, zorder=8)
+    axes.plot(*points[0], "s", color=color, ms=7, zorder=8)
+    return Label(name, points, {"fontsize": 9, "color": color, "bbox": HALO})
 
 
 def sensor_in_words(plan: Plan, place: FloatArray, normal: FloatArray) -> str:

@@ -5,7 +5,7 @@ Panels have a fixed size, so that it is known while drawing where there is room 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,7 +16,6 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.legend import Legend
-from matplotlib.textpath import text_to_path
 
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.results.figures.style import CORNER_IN, DPI, TITLE_IN, TITLE_PT, entitle
@@ -35,7 +34,6 @@ SMALL = 9.0
 SMALL_PRINT, TITLE_PRINT = FontProperties(size=SMALL), FontProperties(size=TITLE_PT, weight="bold")
 TITLE_LINES = 2
 """For which there is room; a path may be longer."""
-POINTS_PER_IN = 72.0
 LEAST_SIZE_MM = 1.0
 """Of a panel: drawings of a single point have no size of their own."""
 
@@ -98,12 +96,12 @@ class Page:
         legend, legend_in = self._legend(WIDTH_IN - left)
         caption_top = max(self._rows_in, top + legend_in + 0.1)
         room = WIDTH_IN - 2 * CORNER_IN[0] - LABEL_IN
-        lines = [(label, in_lines(text, room)) for label, text in caption]
+        lines = [(label, in_lines(self.figure, text, room)) for label, text in caption]
         height = caption_top + 0.2 + CAPTION_ROW_IN * sum(len(wrapped) for _, wrapped in lines)
         self.figure.set_size_inches(WIDTH_IN, height)
         for k, axes in enumerate(self._panels):
             axes.set_position(self._place(k))
-        title = in_lines(self._title, WIDTH_IN - 2 * CORNER_IN[0], TITLE_PRINT)
+        title = in_lines(self.figure, self._title, WIDTH_IN - 2 * CORNER_IN[0], TITLE_PRINT)
         entitle(self.figure, "\n".join(title[:TITLE_LINES]))
         legend.set_bbox_to_anchor((left / WIDTH_IN, 1 - top / height))
         self._write_caption(lines, caption_top)
@@ -116,7 +114,7 @@ class Page:
         entries = _legend_entries(self._panels)
         legend = self.figure.legend(
             [handle for _, handle in entries],
-            ["\n".join(in_lines(label, room)) for label, _ in entries],
+            ["\n".join(in_lines(self.figure, label, room)) for label, _ in entries],
             loc="upper left",
             borderaxespad=0.0,
             ncols=columns,
@@ -146,25 +144,36 @@ class Page:
                 top += CAPTION_ROW_IN
 
 
-def in_lines(text: str, width_in: float, font: FontProperties = SMALL_PRINT) -> list[str]:
-    """Words in lines no longer than `width_in` inches; a word that is longer than that is cut."""
+def in_lines(figure: Figure, text: str, width_in: float, font: FontProperties = SMALL_PRINT) -> list[str]:
+    """Words of a figure in lines no longer than `width_in` inches; a word that is longer than that is cut."""
+    line = figure.text(0.0, 0.0, "", fontproperties=font, parse_math=False)
 
-    def fits(words: str) -> bool:
-        width, _, _ = text_to_path.get_text_width_height_descent(words, font, ismath=False)
-        return bool(width <= POINTS_PER_IN * width_in)
+    def width(words: str) -> float:
+        line.set_text(words)
+        return float(line.get_window_extent().width)
 
-    lines = [""]
-    for word in text.split(" "):
-        longer = f"{lines[-1]} {word}".lstrip(" ")
-        if fits(longer):
-            lines[-1] = longer
-            continue
-        rest = word
-        while not fits(rest) and len(rest) > 1:
-            cut = max(k for k in range(1, len(rest)) if k == 1 or fits(rest[:k]))
-            lines, rest = [*lines, rest[:cut]], rest[cut:]
-        lines.append(rest)
-    return lines if lines[0] else lines[1:] or [""]
+    most, space = figure.dpi * width_in, width("x x") - width("xx")
+    lines: list[list[str]] = [[]]
+    used = 0.0
+    for word in (part for each in text.split(" ") for part in _parts(each, most, width)):
+        wide = space + width(word)
+        if lines[-1] and used + wide > most:
+            lines.append([])
+            used = 0.0
+        lines[-1].append(word)
+        used += wide
+    line.remove()
+    return [" ".join(words) for words in lines]
+
+
+def _parts(word: str, most: float, width: Callable[[str], float]) -> list[str]:
+    """A word in parts no wider than `most`."""
+    parts = [word]
+    while len(parts[-1]) > 1 and width(parts[-1]) > most:
+        rest = parts[-1]
+        cut = max(k for k in range(1, len(rest)) if k == 1 or width(rest[:k]) <= most)
+        parts[-1:] = [rest[:cut], rest[cut:]]
+    return parts
 
 
 def _legend_entries(panels: Sequence[Axes]) -> list[tuple[str, Artist]]:

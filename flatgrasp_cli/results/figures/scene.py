@@ -40,7 +40,7 @@ def draw_scene(axes: Axes, plan: Plan, view: View) -> None:
     show(axes, np.concatenate(things or [view.of_world(plan.cloud.points)]), MARGIN_MM)
     obstacles = _draw_cloud(axes, plan, view)
     labels = [_draw_object(axes, plan, k, view) for k in range(len(plan.objects))]
-    labels += draw_places(axes, view, plan)
+    labels += draw_places(axes, view, plan, np.concatenate([np.empty((0, 2)), *(label.thing for label in labels)]))
     drawn = np.concatenate([obstacles, *map(thinned, things), *(label.thing for label in labels)])
     tick_labels(axes, view)
     put(axes, labels, np.concatenate([drawn, draw_triad(axes, view, plan.cloud.frame_name, drawn)]))
