@@ -8,6 +8,7 @@ from itertools import islice, product
 
 import numpy as np
 import pytest
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.path import Path
@@ -23,6 +24,7 @@ from flatgrasp_cli.results.figures.cage import cage_figure
 from flatgrasp_cli.results.figures.comparison import comparison_figure
 from flatgrasp_cli.results.figures.marks import BEHIND, TRIAD_PX, draw_triad
 from flatgrasp_cli.results.figures.page import Page, in_lines, show
+from flatgrasp_cli.results.figures.style import TEXT
 from flatgrasp_cli.results.view import View, view_of
 from flatgrasp_cli.sources import read_clouds
 from tests.conftest import SAMPLES, Box, Camera, Tube
@@ -32,6 +34,13 @@ GROUND = Box((0.4, 0.0, -0.01), (0.9, 0.8, 0.02))
 BAR = Box((0.35, -0.1, 0.02), (0.1, 0.04, 0.04))
 UP = np.array([0.0, 0.0, 1.0])
 WIDTH_PX = 1200
+
+
+@pytest.fixture(autouse=True)
+def letters_of_pictures() -> Iterator[None]:
+    """As wide as `as_png` draws them."""
+    with rc_context(TEXT):
+        yield
 
 
 def seen(*solids: Box | Tube, gripper: str = "pr2", robot: str | None = None, tilt_deg: float = 30) -> Plan:
@@ -211,12 +220,10 @@ def test_where_the_camera_was_is_never_negative() -> None:
 
 class TestCage:
     def test_finger_1_goes_to_the_right_in_contact_space(self) -> None:
-        """Of a square's outline from its lower left corner, and fingers on its lower and its upper side."""
-        square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
+        """Of an outline from its lower left corner, that has its waist where the fingers are, below and above."""
         waist = np.array([[0.0, 0.0], [2.0, 1.0], [4.0, 0.0], [4.0, 4.0], [2.0, 3.0], [0.0, 4.0]])
         exact = {"tolerance_m": 0.0, "noise_m": 0.0, "told_apart_m": 0.0}
         found = immobilising_grasps((waist,), load_settings().caging.model_copy(update=exact))
-        assert len(square) == 4
         _, space = cage_figure((waist,), found, "", in_metres=False).axes[:2]
         (dot,) = (line for line in space.lines if line.get_label() == "grasp 1")
         side = np.sqrt(5.0)

@@ -31,7 +31,8 @@ figure { margin: 0; width: 14rem; } figcaption { font-size: .85rem; overflow-wra
 figcaption ol { list-style: none; margin: .2rem 0; padding: 0; }
 figure.refused svg { outline: 2px solid #d55e00; }
 svg { background: #fff; display: block; width: 14rem; height: 12rem; }
-table { border-collapse: collapse; margin: .5rem 0; } td { padding: 0 1rem 0 0; vertical-align: top; } td.n { text-align: right; }
+table { border-collapse: collapse; margin: .5rem 0; }
+td { padding: 0 1rem 0 0; vertical-align: top; } td.n { text-align: right; }
 fieldset { border: 1px solid #8886; margin: .5rem 0; } label { margin-right: 1rem; }
 details { margin: .3rem 0; }
 """

@@ -53,8 +53,9 @@ def draw_close(axes: Axes, plan: Plan, item: ObjectPlan, view: View, *, places: 
     _draw_grasps(axes, plan, item, view)
     center = item.trace.gravity_center
     if center is not None and outline is not None:
-        place = view.of_plane(outline.frame, center[None])
+        place = view.of_plane(outline.frame, center.place[None])
         axes.plot(*place.T, "P", color=PURPLE, ms=9, mec="white", zorder=7, ls="none", label="centre of gravity")
+        drawn = np.vstack([drawn, place])
     _show(axes, drawn)
     tick_labels(axes, view)
     labels = draw_places(axes, view, plan, drawn) if places else []
