@@ -158,3 +158,35 @@ def test_every_planning_command_reads_it(command: str, home: Path, run: Run) -> 
 def test_help_needs_no_sound_file(home: Path, run: Run) -> None:
     written(home / "flatgrasp.yaml", "griper: pr2\n")
     assert run("plan", "--help").code == 0
+
+
+@pytest.mark.parametrize(
+    ("wrong", "right"),
+    [
+        ("FLATGRASP_GRIPER", "did you mean FLATGRASP_GRIPPER?"),
+        ("FLATGRASP_PLAN_PLOT", "did you mean FLATGRASP_PLAN_PLOTS?"),
+        ("flatgrasp_robot", "did you mean FLATGRASP_ROBOT?"),
+        ("FLATGRASP_XYZZY", "they are named like FLATGRASP_GRIPPER"),
+    ],
+)
+def test_a_misspelt_variable_is_a_warning_that_names_the_nearest(
+    wrong: str, right: str, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(wrong, "pr2")
+    done = run("plan", BOX, "--json")
+    assert document(done)["gripper"]["name"] == "lacquey"
+    (line,) = done.err.splitlines()
+    assert line == f"flatgrasp: warning: {wrong}: no option has this variable, it changes nothing; {right}"
+
+
+def test_variables_of_any_command_are_known(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, value in {
+        "CONFIG": os.devnull,
+        "GRIPPER": "pr2",
+        "SET": "fingers.step_m=0.004",
+        "BATCH_JOBS": "1",
+    }.items():
+        monkeypatch.setenv(f"FLATGRASP_{name}", value)
+    done = run("plan", BOX, "--json")
+    assert document(done)["gripper"]["name"] == "pr2"
+    assert done.err == ""

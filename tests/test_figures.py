@@ -58,12 +58,13 @@ def caption(figure: Figure) -> dict[str, str]:
         if text.get_fontweight() == "bold":
             word = text.get_text()
         elif text is not figure._suptitle:  # type: ignore[attr-defined]
-            rows[word] = f"{rows[word]} {text.get_text()}" if word in rows else text.get_text()
+            words = text.get_text().replace("\N{NO-BREAK SPACE}", " ")
+            rows[word] = f"{rows[word]} {words}" if word in rows else words
     return rows
 
 
 def legend(figure: Figure) -> set[str]:
-    return {text.get_text() for text in figure.legends[0].get_texts()}
+    return {text.get_text().replace("\n", " ") for text in figure.legends[0].get_texts()}
 
 
 def fingers(axes: Axes) -> list[FloatArray]:
@@ -202,6 +203,7 @@ class TestView:
         assert view.label(1) == ("in the plane, toward −y (mm)", 1.0)
 
 
+NOTHING = np.empty((0, 2))
 VIEW = View(Frame(np.zeros(3), np.eye(3)))
 
 
@@ -214,22 +216,22 @@ class TestMarks:
 
     def test_a_place_outside_is_shown_at_the_edge_on_its_side(self) -> None:
         axes = self.axes()
-        start = draw_place(axes, np.array([0.0, -900.0]), "camera", color="k").thing[0]
+        start = draw_place(axes, np.array([0.0, -900.0]), "camera", color="k", drawn=NOTHING).thing[0]
         assert start[0] == pytest.approx(0.0, abs=1e-9)
         assert axes.get_ylim()[0] < start[1] < -80
 
     def test_a_place_inside_is_shown_where_it_is(self) -> None:
-        label = draw_place(self.axes(), np.array([30.0, 40.0]), "camera", color="k")
+        label = draw_place(self.axes(), np.array([30.0, 40.0]), "camera", color="k", drawn=NOTHING)
         assert label.thing[0] == pytest.approx([30.0, 40.0])
         way = label.thing[-1] - label.thing[0]
         assert way / np.linalg.norm(way) == pytest.approx([-0.6, -0.8])
 
     def test_two_places_on_the_same_side_are_beside_each_other(self) -> None:
         axes = self.axes()
-        one = draw_place(axes, np.array([0.0, -900.0]), "base", color="k").thing[0]
-        other = draw_place(axes, np.array([5.0, -900.0]), "camera", color="b", beside=[one]).thing[0]
-        assert other[1] == pytest.approx(one[1], abs=0.5)
-        assert other[0] - one[0] > 15
+        one = draw_place(axes, np.array([0.0, -900.0]), "base", color="k", drawn=NOTHING).thing
+        other = draw_place(axes, np.array([5.0, -900.0]), "camera", color="b", drawn=one).thing
+        assert other[0, 1] == pytest.approx(one[0, 1], abs=0.5)
+        assert np.abs(other[0, 0] - one[0, 0]) > 10
 
     @pytest.mark.parametrize(
         ("sensor", "words"),

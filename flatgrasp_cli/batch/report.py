@@ -31,7 +31,8 @@ figure { margin: 0; width: 14rem; } figcaption { font-size: .85rem; overflow-wra
 figcaption ol { list-style: none; margin: .2rem 0; padding: 0; }
 figure.refused svg { outline: 2px solid #d55e00; }
 svg { background: #fff; display: block; width: 14rem; height: 12rem; }
-table { border-collapse: collapse; } td { padding: 0 1rem 0 0; vertical-align: top; } td.n { text-align: right; }
+table { border-collapse: collapse; margin: .5rem 0; }
+td { padding: 0 1rem 0 0; vertical-align: top; } td.n { text-align: right; }
 fieldset { border: 1px solid #8886; margin: .5rem 0; } label { margin-right: 1rem; }
 details { margin: .3rem 0; }
 """
@@ -59,9 +60,7 @@ class Made:
 def report(inputs: list[InputSummary], values: dict[str, Any], made: Made) -> Iterator[str]:
     """Yield the page piece by piece: the whole batch, then each input, failures first."""
     reasons = _reasons(inputs)
-    rules = STATUS_RULES + "".join(
-        f"body:has(#r{k}:checked) :is(figure, section):not(.r{k}) {{ display: none; }}\n" for k in range(len(reasons))
-    )
+    rules = STATUS_RULES + "".join(_rules(k) for k in range(len(reasons)))
     yield '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>flatgrasp: '
     yield f"{values['grasped']} of {values['frames']} frames</title><style>{STYLE}{rules}</style>"
     yield '<meta name="viewport" content="width=device-width"></head><body>\n'
@@ -74,6 +73,15 @@ def report(inputs: list[InputSummary], values: dict[str, Any], made: Made) -> It
     for one in inputs:
         yield from _input(one, list(reasons), made)
     yield "</body></html>\n"
+
+
+def _rules(k: int) -> str:
+    """What style hides when frames of reason k are asked for: also sources that have none of the status asked for."""
+    rules = f"body:has(#r{k}:checked) :is(figure, section):not(.r{k}) {{ display: none; }}\n"
+    for status, mark in (("ok", "grasped"), ("none", "refused")):
+        both = f"body:has(#s-{status}:checked):has(#r{k}:checked)"
+        rules += f"{both} section:not(:has(figure.{mark}.r{k})) {{ display: none; }}\n"
+    return rules
 
 
 def _made(made: Made) -> Iterator[str]:

@@ -8,6 +8,7 @@ FLATGRASP_PLAN_PLOTS for what only one command has.
 
 from __future__ import annotations
 
+import difflib
 import importlib
 import json
 import os
@@ -66,6 +67,7 @@ def config_option(command: Any) -> Any:
 
 def _use(context: click.Context, _parameter: click.Parameter, given: str | None) -> None:
     """Read the file of defaults and let click look there for what nobody says."""
+    _warn_of_variables()
     path = _users_file() if given is None else Path(given)
     if path is None:
         return
@@ -88,6 +90,27 @@ def stored(context: click.Context) -> Stored:
     """What the file of defaults says of settings."""
     found: Stored = context.meta.get(STORED, Stored())
     return found
+
+
+def _warn_of_variables() -> None:
+    """Say on stderr which variables look like ours and set no option of any planning command."""
+    ours = [name for name in os.environ if name.upper().startswith(f"{PREFIX}_")]
+    if not ours:
+        return
+    known = {variable for name in COMMANDS for variable in _variables(name)} | {f"{PREFIX}_{SETTINGS.upper()}"}
+    endings = [name.removeprefix(PREFIX) for name in sorted(known)]
+    for name in sorted(set(ours) - known):
+        near = difflib.get_close_matches(name.upper().removeprefix(PREFIX), endings, n=1)
+        words = f"did you mean {PREFIX}{near[0]}?" if near else f"they are named like {PREFIX}_GRIPPER"
+        click.echo(f"flatgrasp: warning: {name}: no option has this variable, it changes nothing; {words}", err=True)
+
+
+def _variables(command: str) -> Iterator[str]:
+    """The environment variables of a planning command's options."""
+    for each in importlib.import_module(f"flatgrasp_cli.cli.{command}").command.params:
+        if isinstance(each, click.Option):
+            own = [f"{context_of(command)['auto_envvar_prefix']}_{str(each.name).upper()}"] * each.allow_from_autoenv
+            yield from [each.envvar] if isinstance(each.envvar, str) else each.envvar or own
 
 
 def _users_file() -> Path | None:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import chain
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.model import Grasp
+from flatgrasp_cli.model import Grasp, ObjectPlan
 from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.profiles import Robot
 from flatgrasp_cli.results.figures.page import Page
@@ -22,7 +23,8 @@ POSES: tuple[tuple[str, dict[str, Any]], ...] = (
     ("arm after the lift", {"color": ORANGE, "lw": 1.8, "ms": 4.0, "linestyle": (0, (3, 1.5))}),
 )
 """In the order of a reach's joint angles: even where two of them are the same pose, both are seen."""
-AXIS_M = 0.15
+AXIS_SHARE = 0.2
+"""Length of the axes of the base's frame, of the drawing's size."""
 CIRCLE_POINTS = 73
 NEAR_M = 0.35
 """Points of the cloud nearer to the grasp than this are drawn."""
@@ -38,7 +40,7 @@ def arm_figure(plan: Plan) -> Figure | None:
     if plan.robot is None or plan.best is None:
         return None
     page = Page(f"{plan.robot.name} in {plan.robot.base_frame!r} · {plan.gripper.description}", 1)
-    draw_arm(page.panel("", projection="3d"), plan)
+    draw_arm(page.panel("", solid=True), plan)
     return page.finish([("Robot", f"{plan.robot.name} reaches it: {manipulability_in_words(plan.best)}")])
 
 
@@ -52,14 +54,16 @@ def manipulability_in_words(grasp: Grasp) -> str:
 
 def draw_arm(axes: Any, plan: Plan) -> None:
     """The arm and the hand, in the robot's base frame; of a grasp out of reach only the hand, grey."""
-    grasp, robot = _shown(plan), plan.robot
-    if grasp is None or robot is None:
+    shown, robot = _shown(plan), plan.robot
+    if shown is None or robot is None:
         return
-    near = plan.cloud.points[np.linalg.norm(plan.cloud.points - grasp.position, axis=1) < NEAR_M]
-    near = thinned(near)
+    item, grasp = shown
+    axes.computed_zorder = False  # what is drawn later is in front: the hand is not to be lost among points
+    near = thinned(plan.cloud.points[np.linalg.norm(plan.cloud.points - grasp.position, axis=1) < NEAR_M])
     draw_dots_in_space(axes, near, PALE, "cloud")
+    draw_dots_in_space(axes, item.object.points, GREY, "the object to be grasped")
     joints = None if grasp.reach is None else grasp.reach.joints_rad
-    drawn = [near, np.zeros((1, 3)), np.diag([AXIS_M] * 3)]
+    drawn = [near, np.zeros((1, 3))]
     for angles, (name, style) in zip(() if joints is None else joints, POSES, strict=False):
         links = links_of(robot, angles)
         axes.plot(*(MM * links.T), marker="o", mew=0, label=name, **style)
@@ -68,7 +72,8 @@ def draw_arm(axes: Any, plan: Plan) -> None:
     if joints is None:
         drawn.append(_draw_reach(axes, robot))
     drawn.append(draw_hand_in_space(axes, grasp, plan.gripper, color=color, label=label))
-    draw_axes_of(axes, np.zeros(3), np.eye(3), AXIS_M, f"x, y, z: axes of the frame {robot.base_frame!r}")
+    length = AXIS_SHARE * float(np.ptp(np.vstack(drawn), axis=0).max())
+    drawn.append(draw_axes_of(axes, np.zeros(3), np.eye(3), length, f"x, y, z: axes of the frame {robot.base_frame!r}"))
     azimuth = float(np.degrees(np.arctan2(grasp.position[1], grasp.position[0]))) - 60.0
     finish_space(axes, np.vstack(drawn), ("x (mm)", "y (mm)", "z (mm)"), azimuth)
 
@@ -87,6 +92,8 @@ def links_of(robot: Robot, joints: FloatArray) -> FloatArray:
     return in_dh_base(robot.base_frame, np.vstack([np.zeros(3), origins]))
 
 
-def _shown(plan: Plan) -> Grasp | None:
-    """The best grasp, or else the best of those that the robot does not reach."""
-    return plan.best or next((item.refused[0] for item in plan.objects if item.refused), None)
+def _shown(plan: Plan) -> tuple[ObjectPlan, Grasp] | None:
+    """The best grasp with its object, or else the best of those that the robot does not reach."""
+    reached = ((item, item.grasps[0]) for item in plan.objects if item.grasps)
+    refused = ((item, item.refused[0]) for item in plan.objects if item.refused)
+    return next(chain(reached, refused), None)

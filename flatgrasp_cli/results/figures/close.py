@@ -6,16 +6,21 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.model import ObjectPlan, Silhouette
+from flatgrasp_cli.model import Grasp, ObjectPlan, Silhouette
 from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.results.figures.hand import DrawnHand, draw_hand, draw_refused, hand_extent
+from flatgrasp_cli.results.figures.labels import Label, free_corner, put
+from flatgrasp_cli.results.figures.marks import TRIAD_PX, draw_places, draw_triad
 from flatgrasp_cli.results.figures.page import show
 from flatgrasp_cli.results.figures.style import (
     BLACK,
     BLUE,
     GREY,
+    HALO,
+    MM,
     PALE,
     PURPLE,
+    RED,
     SKY,
     closed,
     draw_dots,
@@ -32,25 +37,48 @@ MAX_MISSED = 60
 """Pairs that are drawn of those that the last stage removed."""
 
 
-def draw_close(axes: Axes, plan: Plan, item: ObjectPlan, view: View) -> FloatArray:
-    """An object with its outline, hand, contacts and centre of gravity; the points (n, 2) that are not to be hidden."""
+def draw_close(axes: Axes, plan: Plan, item: ObjectPlan, view: View, *, places: bool = False) -> None:
+    """An object with its outline, hand, contacts and centre of gravity, and the axes of the frame.
+
+    With `places` also where the camera and the robot's base are.
+    """
     outline = item.silhouette
     if outline is None:
         drawn = view.of_world(item.object.points)
         draw_dots(axes, drawn, PALE, "cloud")
     else:
         drawn = _draw_outline(axes, item, outline, view)
-    for grasp in (*item.grasps[:1], *item.refused[:1]):
-        drawn = np.vstack([drawn, hand_extent(grasp, view, plan.gripper)])
+    hands = [hand_extent(grasp, view, plan.gripper) for grasp in (*item.grasps[:1], *item.refused[:1])]
+    drawn = np.vstack([drawn, *hands])
     _draw_grasps(axes, plan, item, view)
     center = item.gravity_center
     if center is not None and outline is not None:
         place = view.of_plane(outline.frame, center.place[None])
-        axes.plot(*place.T, "P", color=PURPLE, ms=11, mec="white", zorder=8, ls="none", label="centre of gravity")
+        axes.plot(*place.T, "P", color=PURPLE, ms=9, mec="white", zorder=7, ls="none", label="centre of gravity")
         drawn = np.vstack([drawn, place])
-    show(axes, drawn, MARGIN_SHARE * float(np.ptp(drawn, axis=0).max(initial=0.0)) if len(drawn) else 0.0)
+    _show(axes, drawn)
     tick_labels(axes, view)
-    return drawn
+    labels = draw_places(axes, view, plan, drawn) if places else []
+    drawn = np.vstack([drawn, *(label.thing for label in labels)])
+    drawn = np.vstack([drawn, draw_triad(axes, view, plan.cloud.frame_name, drawn)])
+    if item.grasps:
+        labels.insert(0, _widths(item.grasps[0], hands[0]))
+    put(axes, labels, drawn)
+
+
+def _show(axes: Axes, drawn: FloatArray) -> None:
+    """Show points (n, 2) with room around them, and more of it where all corners are taken: one is for the axes."""
+    size = float(np.ptp(drawn, axis=0).max()) if len(drawn) else 0.0
+    show(axes, drawn, MARGIN_SHARE * size)
+    if free_corner(axes, drawn, TRIAD_PX)[1]:
+        share = TRIAD_PX / min(axes.get_window_extent().size)
+        show(axes, drawn, share / (1.0 - 2.0 * share) * size)
+
+
+def _widths(grasp: Grasp, hand: FloatArray) -> Label:
+    """How wide the hand is before and after, beside where it is drawn (n, 2)."""
+    words = f"open {MM * grasp.opening_m:.1f} mm\nclosed {MM * grasp.width_m:.1f} mm"
+    return Label(words, hand, {"fontsize": 9, "color": RED, "bbox": HALO})
 
 
 def _draw_outline(axes: Axes, item: ObjectPlan, outline: Silhouette, view: View) -> FloatArray:

@@ -11,14 +11,14 @@ from matplotlib.figure import Figure
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import ObjectPlan, Silhouette
 from flatgrasp_cli.planning import Plan
+from flatgrasp_cli.results.cages import NO_HOLD
 from flatgrasp_cli.results.figures.close import draw_close, draw_loops
 from flatgrasp_cli.results.figures.labels import Label, put
-from flatgrasp_cli.results.figures.marks import draw_triad
 from flatgrasp_cli.results.figures.page import Page
 from flatgrasp_cli.results.figures.style import BLUE, GREY, MM, closed, counted, tick_labels
 from flatgrasp_cli.results.view import View, view_of
 
-CAN = "the hand can carry it out"
+CAN, CANNOT = "grasps that the hand can carry out", "grasps that the hand cannot carry out"
 
 
 def comparison_figure(
@@ -33,9 +33,8 @@ def comparison_figure(
     assert outline is not None  # noqa: S101 - without one there is nothing to compare
     view = view_of(plan, outline.frame.axes[2])
     page = Page(f"{title} · {plan.gripper.description}", 2)
-    left = page.panel("ours: Lei & Wisse")
-    drawn = draw_close(left, plan, ours, view)
-    draw_triad(left, view, plan.cloud.frame_name, drawn)
+    left = page.panel(f"object {ours.object.id}, ours: Lei & Wisse")
+    draw_close(left, plan, ours, view)
     right = page.panel(f"two point fingers (Allen et al.): {counted(len(theirs), 'grasp')}")
     right.set(xlim=left.get_xlim(), ylim=left.get_ylim(), aspect="equal")
     tick_labels(right, view)
@@ -51,7 +50,7 @@ def _draw_theirs(
     labels, lines, named = [], [], set[str]()
     for rank, (found, verdict) in enumerate(zip(theirs, verdicts, strict=True), start=1):
         contacts = view.of_plane(outline.frame, found)
-        color, name = (GREY, "grasps that the hand cannot carry out") if verdict else (BLUE, f"grasps: {CAN}")
+        color, name = (GREY, CANNOT) if verdict else (BLUE, CAN)
         axes.plot(*contacts.T, "o-", color=color, lw=1.2, ms=4, label=None if name in named else name)
         named.add(name)
         labels.append(Label(str(rank), _rim(contacts), {"fontsize": 9, "color": color, "fontweight": "bold"}))
@@ -67,9 +66,12 @@ def _rim(contacts: FloatArray) -> FloatArray:
 def _caption(ours: ObjectPlan, verdicts: Sequence[str | None]) -> list[tuple[str, str]]:
     """Ours in a line, and for each reason the point fingers' grasps that it holds for."""
     rejection = ours.rejection
-    best = f"closes to {MM * ours.grasps[0].width_m:.1f} mm" if ours.grasps else rejection.reason if rejection else ""
-    rows = [("Ours" if ours.grasps else "No grasp", best)]
+    rows = [("Ours", f"no grasp: {rejection.reason}" if rejection else "no grasp")]
+    if ours.grasps:
+        best = ours.grasps[0]
+        rows = [("Ours", f"the hand comes open {MM * best.opening_m:.1f} mm and closes to {MM * best.width_m:.1f} mm")]
     reasons: dict[str, list[str]] = {}
     for rank, verdict in enumerate(verdicts, start=1):
-        reasons.setdefault(verdict or CAN, []).append(str(rank))
-    return [*rows, *(("Theirs", f"{', '.join(ranks)}: {reason}") for reason, ranks in reasons.items())]
+        reasons.setdefault(verdict or "the hand can carry out", []).append(str(rank))
+    theirs = [f"{', '.join(ranks)}: {reason}" for reason, ranks in reasons.items()] or [f"none: {NO_HOLD}"]
+    return [*rows, *(("Theirs", words) for words in theirs)]

@@ -14,11 +14,10 @@ from flatgrasp_cli.model import Grasp, ObjectPlan
 from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.results.figures.arm import draw_arm, has_arm, manipulability_in_words
 from flatgrasp_cli.results.figures.close import draw_close
-from flatgrasp_cli.results.figures.labels import put
-from flatgrasp_cli.results.figures.marks import draw_places, draw_triad, sensor_in_words
+from flatgrasp_cli.results.figures.marks import sensor_in_words
 from flatgrasp_cli.results.figures.page import Page
 from flatgrasp_cli.results.figures.scene import draw_scene
-from flatgrasp_cli.results.figures.style import MM, counted
+from flatgrasp_cli.results.figures.style import MM, NO_BREAK, counted, in_numbers
 from flatgrasp_cli.results.view import middle_of, normal_of, view_of
 
 REASONS = 3
@@ -36,13 +35,9 @@ def final_figure(plan: Plan) -> Figure:
     if close:
         item = plan.objects[0]
         axes = page.panel(f"object {item.object.id}{_level(item)}")
-        drawn = draw_close(axes, plan, item, view)
-        labels = [] if scene else draw_places(axes, view, plan)
-        drawn = np.concatenate([drawn, *(label.thing for label in labels)])
-        draw_triad(axes, view, plan.cloud.frame_name, drawn)
-        put(axes, labels, drawn)
+        draw_close(axes, plan, item, view, places=not scene)
     if arm:
-        draw_arm(page.panel(f"{plan.robot.name if plan.robot else ''} in its frame", projection="3d"), plan)
+        draw_arm(page.panel(f"{plan.robot.name if plan.robot else ''} in its frame", solid=True), plan)
     if not scene and not close:
         page.panel("nothing to grasp").set_axis_off()
     return page.finish(_caption(plan, normal))
@@ -75,18 +70,20 @@ def _without_grasp(plan: Plan) -> list[tuple[str, str]]:
 
 
 def _where(plan: Plan, best: Grasp) -> str:
-    approach = ", ".join(f"{value + 0.0:.2f}" for value in np.round(axes_from_quaternion(best.orientation)[2], 2))
-    rows = [f"the fingertips end at {_place(best.position)} in {plan.cloud.frame_name!r}"]
+    approach = in_numbers(axes_from_quaternion(best.orientation)[2])
+    rows = [f"the fingertips end at {_place(best.position)} in {plan.cloud.frame_name!r}, coming along {approach}"]
     if best.tip_height_m is not None and best.grip_m is not None:
         rows.append(f"{MM * best.tip_height_m:.1f} mm above the plane, where the pads cover {MM * best.grip_m:.1f} mm")
     if best.way is not None:
-        rows.append(f"the flange is at {_place(best.way.flange.pose.position)} then")
-    return "; ".join([*rows, f"the hand comes along ({approach})"]).replace("-", "−")
+        rows.append(f"the flange is then at {_place(best.way.flange.pose.position)}")
+    return "; ".join(rows)
 
 
 def _place(position: FloatArray) -> str:
-    """A place (3,) in words."""
-    return ", ".join(f"{name} {MM * value:.0f}" for name, value in zip("xyz", position, strict=True)) + " mm"
+    """A place (3,) in words that stay on one line."""
+    whole = np.round(MM * position) + 0.0  # no minus before a zero
+    numbers = (f"{name}{NO_BREAK}{value:.0f}" for name, value in zip("xyz", whole, strict=True))
+    return f",{NO_BREAK}".join(numbers).replace("-", "−") + f"{NO_BREAK}mm"
 
 
 def _how_wide(plan: Plan, best: Grasp) -> str:
@@ -102,8 +99,8 @@ def _why(plan: Plan, best: Grasp) -> str:
         f"its sides are parallel within {best.force_balance_deg:.1f}° (force balance)",
         f"torque arm {MM * best.torque_arm_m:.1f} mm",
         f"needs friction {best.required_friction:.2f}, pads have {plan.gripper.pad_friction:.2f}",
-        f"{MM * best.gravity_distance_m:.1f} mm beside the centre of gravity",
-        f"{100 * best.inside_share:.0f} % of the line lies in the object",
+        f"the line through the contacts passes {MM * best.gravity_distance_m:.1f} mm beside the centre of gravity",
+        f"{100 * best.inside_share:.0f} % of it between them lies in the object",
     ]
     cage = best.cage
     if cage is not None and cage.squeezing and cage.opening_max_m is not None:

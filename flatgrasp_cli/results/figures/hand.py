@@ -8,18 +8,23 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
+from matplotlib.path import Path
 
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import axes_from_quaternion
 from flatgrasp_cli.model import Grasp
 from flatgrasp_cli.profiles import Gripper
-from flatgrasp_cli.results.figures.style import GREEN, GREY, MM, ORANGE, RED
+from flatgrasp_cli.results.figures.style import GREEN, GREY, HALO, MM, ORANGE, RED
 from flatgrasp_cli.results.view import View
 
 AXIS_M, NAME_M = 0.012, 0.018
 """Length of the hand's axes, drawn beyond its rim where they hide nothing, and where their names are."""
 PALM_THICKNESS_M = 0.01
 """Of a palm drawn in space: profiles do not say how thick it is."""
+WEDGE = np.array([[0.0, 0.0], [1.0, 0.5], [1.0, -0.5], [0.0, 0.0]])
+"""A contact's mark: its tip on the contact, the rest outside of the object, so that it hides no narrow one."""
+WEDGE_PT = 18.0
+"""Twice the length of a contact's mark."""
 CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
 
 
@@ -65,16 +70,15 @@ def hand_solids(grasp: Grasp, gripper: Gripper) -> tuple[list[FloatArray], Float
 
 
 def hand_extent(grasp: Grasp, view: View, gripper: Gripper) -> FloatArray:
-    """Points (n, 2) along what is drawn of a hand: fingers, palm and closing line."""
+    """Points (n, 2) along what is drawn of a hand: fingers, palm, closing line and axes."""
     x, y = gripper.hand_width_m / 2, gripper.palm_m / 2
     rectangles = [*finger_boxes(gripper, grasp.opening_m), (-x, x, -y, y)]
     corners = np.array([_corners(*sides) for sides in rectangles])
     along = np.linspace(0.0, 1.0, 9)[:, None]
     edges = [a + along * (b - a) for box in corners for a, b in zip(box, np.roll(box, -1, axis=0), strict=True)]
     line = np.column_stack([np.zeros(9), (along[:, 0] - 0.5) * grasp.opening_m])
-    return DrawnHand.of(grasp, view).place(
-        np.vstack([*edges, line, *(tip for _, tip, _ in _axes_beyond(grasp, gripper))])
-    )
+    arrows = [start + along * (name - start) for start, name, _ in _axes_beyond(grasp, gripper)]
+    return DrawnHand.of(grasp, view).place(np.vstack([*edges, line, *arrows]))
 
 
 def _axes_beyond(grasp: Grasp, gripper: Gripper) -> list[tuple[FloatArray, FloatArray, str]]:
@@ -128,12 +132,23 @@ def draw_hand(axes: Axes, grasp: Grasp, view: View, gripper: Gripper) -> None:
         way = (x0, x1, min(near, y0, y1, key=abs), max(y0, y1, key=abs))
         label = "the way the fingers close" if k == 0 else None
         _rectangle(axes, hand, *way, fc=ORANGE, alpha=0.25, ec="none", zorder=3, label=label)
-    contacts = view.of_world(grasp.contacts)
-    axes.plot(contacts[:, 0], contacts[:, 1], "o", color=RED, ms=7, mec="white", zorder=7, label="contacts")
+    _draw_contacts(axes, view.of_world(grasp.contacts))
     for start, end, name in _axes_beyond(grasp, gripper):
         root, place = hand.place(start)[0], hand.place(end)[0]
         tip = root + AXIS_M / NAME_M * (place - root)
         arrow = {"arrowstyle": "-|>", "color": GREEN, "lw": 1.5, "shrinkA": 0, "shrinkB": 0}
         axes.annotate("", tuple(tip), tuple(root), arrowprops=arrow, zorder=8)
-        axes.text(float(place[0]), float(place[1]), name, color=GREEN, ha="center", va="center", fontsize=9, zorder=8)
-    axes.plot([], [], ">-", color=GREEN, ms=5, label="x, y in green: axes of the hand, y closes")
+        words: dict[str, Any] = {"color": GREEN, "ha": "center", "va": "center", "fontsize": 9, "bbox": HALO}
+        axes.text(float(place[0]), float(place[1]), name, zorder=8, **words)
+    axes.plot([], [], ">-", color=GREEN, ms=5, label="axes of the hand: it closes along y")
+
+
+def _draw_contacts(axes: Axes, contacts: FloatArray) -> None:
+    """Wedges that point at the contacts (2, 2) from outside of the object."""
+    for place, other in zip(contacts, contacts[::-1], strict=True):
+        way = place - other
+        length = float(np.linalg.norm(way))
+        x, y = way / length if length > 0 else (0.0, 1.0)  # seen along the closing axis they are one
+        marker = Path(WEDGE @ np.array([[x, y], [-y, x]]))
+        axes.plot(*place, marker=marker, ms=WEDGE_PT, color=RED, mec="white", ls="none", zorder=8)
+    axes.plot([], [], "^", ms=8, color=RED, mec="white", label="contacts")

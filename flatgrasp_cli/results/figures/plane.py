@@ -43,6 +43,6 @@ class PlaneDrawing:
         lines.set_label(label)
         return lines
 
-    def finish(self) -> Figure:
-        """The page with its legend."""
-        return self._page.finish([])
+    def finish(self, words: str) -> Figure:
+        """The page with its legend, and below it what the stage does, in words."""
+        return self._page.finish([("Method", words)])

@@ -38,17 +38,16 @@ def draw_scene(axes: Axes, plan: Plan, view: View) -> None:
     """The scene seen along the support plane's normal."""
     things = [view.of_world(item.object.points) for item in plan.objects]
     show(axes, np.concatenate(things or [view.of_world(plan.cloud.points)]), MARGIN_MM)
-    _draw_cloud(axes, plan, view)
+    obstacles = _draw_cloud(axes, plan, view)
     labels = [_draw_object(axes, plan, k, view) for k in range(len(plan.objects))]
-    labels += draw_places(axes, view, plan)
-    drawn = np.concatenate([np.empty((0, 2)), *map(thinned, things), *(label.thing for label in labels)])
+    labels += draw_places(axes, view, plan, np.concatenate([np.empty((0, 2)), *(label.thing for label in labels)]))
+    drawn = np.concatenate([obstacles, *map(thinned, things), *(label.thing for label in labels)])
     tick_labels(axes, view)
-    draw_triad(axes, view, plan.cloud.frame_name, drawn)
-    put(axes, labels, drawn)
+    put(axes, labels, np.concatenate([drawn, draw_triad(axes, view, plan.cloud.frame_name, drawn)]))
 
 
-def _draw_cloud(axes: Axes, plan: Plan, view: View) -> None:
-    """All points: as the camera saw them, or each object in a colour of its own."""
+def _draw_cloud(axes: Axes, plan: Plan, view: View) -> FloatArray:
+    """All points: as the camera saw them, or each object in a colour of its own; where the obstacles are (n, 2)."""
     low, high = np.column_stack([axes.get_xlim(), axes.get_ylim()])
 
     def within(points: FloatArray) -> tuple[FloatArray, IntArray]:
@@ -57,14 +56,16 @@ def _draw_cloud(axes: Axes, plan: Plan, view: View) -> None:
         return drawn[inside], inside
 
     drawn, inside = within(plan.cloud.points)
+    obstacles = thinned(within(plan.scene.clutter)[0])
     if plan.cloud.colors is not None:
         draw_dots(axes, drawn, plan.cloud.colors[inside] / 255, "cloud, in its colours")
-        return
+        return obstacles
     draw_dots(axes, drawn, PALE, "cloud")
-    if len(plan.scene.clutter):
-        draw_dots(axes, within(plan.scene.clutter)[0], BLACK, "obstacles that are no object")
+    if len(obstacles):
+        draw_dots(axes, obstacles, BLACK, "obstacles that are no object")
     for k, item in enumerate(plan.objects):
         draw_dots(axes, view.of_world(item.object.points), _color(k), "objects, a colour each" if k == 0 else None)
+    return obstacles
 
 
 def _color(k: int) -> str:

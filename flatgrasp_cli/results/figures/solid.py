@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
 from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion
@@ -12,7 +15,13 @@ from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.results.figures.close import draw_close
 from flatgrasp_cli.results.figures.hand import CORNERS
 from flatgrasp_cli.results.figures.page import Page
-from flatgrasp_cli.results.figures.space import draw_axes_of, draw_box, draw_hand_in_space, finish_space
+from flatgrasp_cli.results.figures.space import (
+    ZOOM,
+    draw_axes_of,
+    draw_box,
+    draw_hand_in_space,
+    finish_space,
+)
 from flatgrasp_cli.results.figures.style import (
     BLUE,
     GREEN,
@@ -21,15 +30,22 @@ from flatgrasp_cli.results.figures.style import (
     PALE,
     RED,
     draw_dots_in_space,
-    entitle,
-    new_figure,
+    draw_scale,
+    in_numbers,
 )
 from flatgrasp_cli.results.view import view_of
 
+PAIRS = "each pair of finger candidates"
+RESULTANT = "resultant of two unit forces, 2 sin(γ/2)"
+FORCES = "what is left of two unit forces along the grasping directions of i and j, with γ between them"
+BALANCED = "#00224e"
+"""The darkest of the colours of `cividis`."""
 UPRIGHT = ("to the right (mm)", "away (mm)", "up (mm)")
 AZIMUTH_DEG = -45.0
 TRIAD_SHARE = 0.2
 """Length of the frame's axes, of the drawing's size."""
+OUTSIDE_SHARE = 0.1
+"""How far a box's axes go beyond its faces, of its longest side."""
 
 
 def boxes(plan: Plan, item: ObjectPlan) -> Figure:
@@ -37,7 +53,7 @@ def boxes(plan: Plan, item: ObjectPlan) -> Figure:
     box = item.box
     assert box is not None  # noqa: S101 - stages that were not reached are not drawn
     page = Page("A.1 oriented bounding box and main plane", 1)
-    axes = page.panel("", projection="3d")
+    axes = page.panel(f"object {item.object.id}", solid=True)
     frame = _upright(plan, item)
     points = frame.to_local(item.object.points)
     draw_dots_in_space(axes, points, GREY, "object")
@@ -46,8 +62,9 @@ def boxes(plan: Plan, item: ObjectPlan) -> Figure:
         draw_box(axes, frame.to_local(found), color, name)
     center = frame.to_local(box.frame.origin[None])[0]
     toward = box.frame.axes @ frame.axes.T
-    draw_axes_of(axes, center, toward, 0.5 * float(box.size.max()), "x, y, z: axes of the oriented box")
-    finish_space(axes, np.vstack([points, *map(frame.to_local, corners)]), UPRIGHT, AZIMUTH_DEG)
+    lengths = 0.5 * box.size + OUTSIDE_SHARE * box.size.max()
+    names = draw_axes_of(axes, center, toward, lengths, "x, y, z: axes of the oriented box")
+    finish_space(axes, np.vstack([points, names, *map(frame.to_local, corners)]), UPRIGHT, AZIMUTH_DEG)
     size = " × ".join(f"{MM * length:.0f}" for length in box.size)
     words = f"{size} mm along its axes x (major), y (middle) and z (minor, toward the sensor)"
     return page.finish([("Box", f"{words}; x and y span the main plane")])
@@ -56,14 +73,21 @@ def boxes(plan: Plan, item: ObjectPlan) -> Figure:
 def balance_surface(_: Plan, item: ObjectPlan) -> Figure:
     """Fig. 13 (a): the force balance of all pairs as a surface."""
     height = resultant(item)
-    figure = new_figure()
-    axes = figure.add_subplot(projection="3d")
+    page = Page("B.1 force balance of all pairs, as a surface", 1)
+    axes: Any = page.panel(PAIRS, solid=True)
     j, i = np.meshgrid(np.arange(height.shape[1]), np.arange(height.shape[0]))
     surface = axes.plot_surface(i, j, height, cmap="cividis", vmin=0, vmax=2, rcount=120, ccount=120, linewidth=0)
-    figure.colorbar(surface, ax=axes, label="resultant of two unit forces, 2 sin(γ/2)", shrink=0.6, pad=0.12)
-    axes.set(xlabel="finger candidate i", ylabel="finger candidate j", zlabel="2 sin(γ/2)")
-    entitle(figure, "B.1 force balance: low pairs are balanced")
-    return figure
+    draw_scale(axes, surface, RESULTANT, left=1.04, height=0.6)
+    for axis, name in (
+        (axes.xaxis, "finger candidate i"),
+        (axes.yaxis, "finger candidate j"),
+        (axes.zaxis, "2 sin(γ/2)"),
+    ):
+        axis.set_label_text(name, fontsize=9)
+        axis.set_major_locator(MaxNLocator(5))
+    axes.set_box_aspect(None, zoom=ZOOM)
+    axes.plot([], [], "s", ms=8, color=BALANCED, label="valleys: the pair is balanced")
+    return page.finish([("Method", f"{FORCES}; a pair is balanced where that is little")])
 
 
 def resultant(item: ObjectPlan) -> FloatArray:
@@ -78,8 +102,8 @@ def final_on_cloud(plan: Plan, item: ObjectPlan) -> Figure:
     assert outline is not None  # noqa: S101 - of a grasp there is one
     view = view_of(plan, outline.frame.axes[2])
     page = Page("C the final grasp", 2)
-    draw_close(page.panel("in the main plane"), plan, item, view)
-    axes = page.panel("on the cloud", projection="3d")
+    draw_close(page.panel(f"object {item.object.id} in the main plane"), plan, item, view)
+    axes = page.panel("on the cloud", solid=True)
     frame = _upright(plan, item)
     near = _near_pads(item, outline)
     points = frame.to_local(item.object.points)
@@ -90,17 +114,17 @@ def final_on_cloud(plan: Plan, item: ObjectPlan) -> Figure:
     hand = draw_hand_in_space(
         axes, grasp, plan.gripper, color=GREEN, label="hand, closed: from flange to palm", frame=frame
     )
-    _draw_frame(axes, frame, plan, np.vstack([points, hand]))
-    finish_space(axes, np.vstack([points, hand]), UPRIGHT, AZIMUTH_DEG)
-    approach = ", ".join(f"{value + 0.0:.2f}" for value in np.round(axes_from_quaternion(grasp.orientation)[2], 2))
-    return page.finish([("Approach", f"along ({approach}) in {plan.cloud.frame_name!r}".replace("-", "−"))])
+    names = _draw_frame(axes, frame, plan, np.vstack([points, hand]))
+    finish_space(axes, np.vstack([points, hand, names]), UPRIGHT, AZIMUTH_DEG)
+    approach = in_numbers(axes_from_quaternion(grasp.orientation)[2])
+    return page.finish([("Approach", f"along {approach} in {plan.cloud.frame_name!r}")])
 
 
-def _draw_frame(axes: object, frame: Frame, plan: Plan, drawn: FloatArray) -> None:
-    """The directions of the answer's frame, in the drawing's upper left corner."""
+def _draw_frame(axes: object, frame: Frame, plan: Plan, drawn: FloatArray) -> FloatArray:
+    """The directions of the answer's frame, in the drawing's upper left corner; where their names are (3, 3)."""
     corner, size = np.append(drawn.min(axis=0)[:2], drawn[:, 2].max()), float(np.ptp(drawn, axis=0).max())
     label = f"x, y, z: axes of the frame {plan.cloud.frame_name!r}"
-    draw_axes_of(axes, corner, frame.axes.T, TRIAD_SHARE * size, label)
+    return draw_axes_of(axes, corner, frame.axes.T, TRIAD_SHARE * size, label)
 
 
 def _upright(plan: Plan, item: ObjectPlan) -> Frame:

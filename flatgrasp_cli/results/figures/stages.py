@@ -13,8 +13,18 @@ from flatgrasp_cli.geometry.arrays import IntArray
 from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import ObjectPlan
 from flatgrasp_cli.planning import Plan
+from flatgrasp_cli.results.figures.page import Page
 from flatgrasp_cli.results.figures.plane import PlaneDrawing
-from flatgrasp_cli.results.figures.solid import balance_surface, boxes, final_on_cloud, resultant
+from flatgrasp_cli.results.figures.solid import (
+    BALANCED,
+    FORCES,
+    PAIRS,
+    RESULTANT,
+    balance_surface,
+    boxes,
+    final_on_cloud,
+    resultant,
+)
 from flatgrasp_cli.results.figures.style import (
     BLUE,
     MM,
@@ -24,25 +34,25 @@ from flatgrasp_cli.results.figures.style import (
     SKY,
     counted,
     draw_dots,
+    draw_scale,
     entitle,
-    new_figure,
 )
 
 Draw = Callable[[Plan, ObjectPlan], Figure]
 
 MAX_PAIRS = 250
 PAIR_STAGES = {
-    "force_balance": "B.1",
-    "torque_balance": "B.2",
-    "pads": "B.3",
-    "grasping_range": "B.3",
-    "variance": "B.4",
-    "seen": "B.3",
-    "operability": "B.5",
-    "depth": "B.5",
-    "palm": "B.5",
+    "force_balance": ("B.1", "the two fingers press against each other: γ between their directions is small enough"),
+    "torque_balance": ("B.2", "they press along almost the same line, so that nothing turns in the hand"),
+    "pads": ("B.3", "both contacts lie under the pads, although they are not quite opposite each other"),
+    "seen": ("B.3", "the object was seen to be as thick there as it looks"),
+    "grasping_range": ("B.3", "the object is wide enough there, and not too wide for the hand"),
+    "variance": ("B.4", "the outline under the pads is even enough"),
+    "operability": ("B.5", "open fingers have room beside the object, and their way to it is free"),
+    "depth": ("B.5", "the fingers get deep enough beside the object to hold it, and touch nothing on the way down"),
+    "palm": ("B.5", "the palm stays clear of the object"),
 }
-"""The sections of the paper that the stages are from, or carry further."""
+"""The sections of the paper that stages are from, or carry further, and what is true of the pairs that they keep."""
 
 
 def stage_figures(plan: Plan) -> Iterator[tuple[str, Callable[[], Figure]]]:
@@ -97,7 +107,9 @@ def _projection(plan: Plan, item: ObjectPlan) -> Figure:
         plane.axes.scatter(drawn[:, 0], drawn[:, 1], c=np.arange(len(loop)), cmap="viridis", s=14, zorder=3)
     plane.axes.plot([], [], "o", ms=4, color="#440154", label="vertices: the first")
     plane.axes.plot([], [], "o", ms=4, color="#fde725", label="vertices: the last")
-    return plane.finish()
+    return plane.finish(
+        "the concave hull of the points in the main plane is an α-shape; its vertices are in serial order"
+    )
 
 
 def _step_points(plan: Plan, item: ObjectPlan) -> Figure:
@@ -107,7 +119,7 @@ def _step_points(plan: Plan, item: ObjectPlan) -> Figure:
     plane = PlaneDrawing(plan, item, f"A.3.1 {counted(total, 'step point')}, r = {MM * steps[0].step_m:.1f} mm", BLUE)
     drawn = plane.of(np.concatenate([step.points for step in steps]))
     plane.axes.plot(*drawn.T, "o", ms=3, color=RED, zorder=3, label="step points")
-    return plane.finish()
+    return plane.finish("points r apart along the outline (eq. 1): each is where a place for a finger begins")
 
 
 def _finger_candidates(plan: Plan, item: ObjectPlan) -> Figure:
@@ -119,7 +131,7 @@ def _finger_candidates(plan: Plan, item: ObjectPlan) -> Figure:
         chosen = fingers.width == width
         label = f"{counted(int(chosen.sum()), 'candidate')} for w_f = {MM * width:.1f} mm"
         plane.segments(fingers.start[chosen], fingers.end[chosen], label, colors=color, linewidths=1.2, zorder=3)
-    return plane.finish()
+    return plane.finish("chords of the outline as wide as what presses there, w_f: a finger, or two side by side")
 
 
 def _directions(plan: Plan, item: ObjectPlan) -> Figure:
@@ -133,37 +145,37 @@ def _directions(plan: Plan, item: ObjectPlan) -> Figure:
     tips = fingers.contact + length * fingers.direction
     plane.segments(fingers.contact, tips, "grasping directions: inward", colors=BLUE, linewidths=0.8, zorder=4)
     plane.axes.plot(*plane.of(tips).T, ".", ms=3, color=BLUE, zorder=5)
-    return plane.finish()
+    return plane.finish("at right angles to each finger candidate, into the object; candidates in doubt are left out")
 
 
 def _balance_image(_: Plan, item: ObjectPlan) -> Figure:
     """Fig. 13 (b): the resultant force of all pairs as an image."""
-    figure = new_figure()
-    axes = figure.add_subplot()
-    image = axes.imshow(resultant(item), cmap="cividis", vmin=0, vmax=2, origin="lower", interpolation="nearest")
-    figure.colorbar(image, ax=axes, label="resultant of two unit forces, 2 sin(γ/2)")
-    axes.set_xlabel("finger candidate j")
-    axes.set_ylabel("finger candidate i")
-    entitle(figure, "B.1 force balance: dark pairs are balanced")
-    return figure
+    page = Page("B.1 force balance of all pairs, as an image", 1)
+    axes = page.panel(PAIRS)
+    style: dict[str, Any] = {"origin": "lower", "interpolation": "nearest", "aspect": "auto"}
+    image = axes.imshow(resultant(item), cmap="cividis", vmin=0, vmax=2, **style)
+    draw_scale(axes, image, RESULTANT, left=1.06, height=0.6)
+    axes.set_xlabel("finger candidate j", fontsize=9)
+    axes.set_ylabel("finger candidate i", fontsize=9)
+    axes.plot([], [], "s", ms=8, color=BALANCED, label="dark: the pair is balanced")
+    return page.finish([("Method", f"{FORCES}; a pair is balanced where that is little")])
 
 
 def _funnel(_: Plan, item: ObjectPlan) -> Figure:
     """How many candidates each stage kept."""
-    figure = new_figure()
-    axes = figure.add_subplot()
+    page = Page("The funnel: how many candidates each stage kept", 1, left_in=1.6)
+    axes = page.panel(f"object {item.object.id}")
     names = [stage.stage.replace("_", " ") for stage in item.funnel]
     kept = [stage.kept for stage in item.funnel]
-    bars = axes.barh(names, kept, color=BLUE)
-    axes.bar_label(bars, padding=3)
+    bars = axes.barh(names, kept, color=BLUE, label="candidates that are left after the stage")
+    axes.bar_label(bars, padding=3, fontsize=9)
     axes.set_xscale("symlog", linthresh=1)
     axes.xaxis.set_major_formatter("{x:g}")
     axes.set_xlim(0, 5 * max(1, *kept))
     axes.invert_yaxis()
-    axes.set_xlabel("candidates kept")
-    axes.set_ylabel("stage, in the method's order")
-    entitle(figure, "The funnel: how many candidates each stage kept")
-    return figure
+    axes.set_xlabel("candidates kept", fontsize=9)
+    words = "stages in their order from above; places for a finger at first, and from 'pairs' on two of them"
+    return page.finish([("Method", words)])
 
 
 def _pairs_of(stage: str) -> Draw:
@@ -175,11 +187,12 @@ def _pairs_of(stage: str) -> Draw:
         before = item.funnel[names.index(stage) - 1].kept if stage in names[1:] else len(kept)
         order = list(trace.survivors)
         earlier = trace.survivors[order[order.index(stage) - 1]] if order.index(stage) else kept
-        title = f"{PAIR_STAGES[stage]} {stage.replace('_', ' ')}: kept {len(kept)} of {counted(before, 'pair')}"
+        section, words = PAIR_STAGES[stage]
+        title = f"{section} {stage.replace('_', ' ')}: kept {len(kept)} of {counted(before, 'pair')}"
         plane = PlaneDrawing(plan, item, title)
         _draw_pairs(plane, item, _difference(earlier, kept), "removed", colors=PALE, linewidths=0.7, zorder=3)
         _draw_pairs(plane, item, kept, "kept", colors=BLUE, linewidths=0.7, zorder=4)
-        return plane.finish()
+        return plane.finish(words)
 
     return draw
 
@@ -209,10 +222,10 @@ def _gravity(plan: Plan, item: ObjectPlan) -> Figure:
     step = max(1, len(trace.ranked) // MAX_PAIRS)
     shown, distance = trace.ranked[::step][::-1], MM * trace.gravity_distance_m[::step][::-1]
     contact = fingers.contact
-    lines = plane.segments(contact[shown[:, 0]], contact[shown[:, 1]], "grasps", linewidths=0.9, zorder=3)
+    words = f"grasps ({len(shown)} of {len(trace.ranked)}), coloured by it"
+    lines = plane.segments(contact[shown[:, 0]], contact[shown[:, 1]], words, linewidths=0.9, zorder=3)
     lines.set(array=distance, cmap="viridis")
-    scale = plane.axes.inset_axes((1.06, 0.0, 0.035, 0.6))
-    scale.figure.colorbar(lines, cax=scale, label="gravity distance (mm)")
+    draw_scale(plane.axes, lines, "gravity distance (mm)", left=1.06, height=0.6)
     best = trace.ranked[0]
     for k in best:
         ends = plane.of(np.stack([fingers.start[k], fingers.end[k]]))
@@ -221,7 +234,7 @@ def _gravity(plan: Plan, item: ObjectPlan) -> Figure:
     plane.axes.plot(*plane.of(contact[best]).T, color=RED, lw=1.5, zorder=5, label="the final grasp")
     if item.gravity_center is not None:
         center = plane.of(item.gravity_center.place[None])
-        plane.axes.plot(
-            *center.T, "P", color=PURPLE, ms=11, mec="white", ls="none", zorder=6, label="centre of gravity"
-        )
-    return plane.finish()
+        plane.axes.plot(*center.T, "P", color=PURPLE, ms=9, mec="white", ls="none", zorder=6, label="centre of gravity")
+    return plane.finish(
+        "the gravity distance is how far beside the centre of gravity the line through the contacts passes"
+    )

@@ -11,9 +11,9 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import FuncFormatter
 from numpy.typing import NDArray
 
@@ -28,18 +28,21 @@ BLACK, GREY, PALE = "#000000", "#7f7f7f", "#c8c8c8"
 ORANGE, SKY, GREEN, BLUE, RED, PURPLE = "#E69F00", "#56B4E9", "#009E73", "#0072B2", "#D55E00", "#CC79A7"
 
 MM = 1e3
+NO_BREAK = "\N{NO-BREAK SPACE}"
 DPI = 120
 PNG = (cv2.IMWRITE_PNG_COMPRESSION, 3, cv2.IMWRITE_PNG_FILTER, cv2.IMWRITE_PNG_FILTER_NONE)
 """Drawings have few colours and large areas: filters, made for photographs, take time and make them larger."""
-CORNER_IN, TITLE_IN = (0.2, 0.12), 0.42
-"""Where titles begin, and the room above the drawings that is theirs."""
+CORNER_IN, TITLE_IN, TITLE_PT = (0.2, 0.12), 0.42, 11.0
+"""Where titles begin, the room above the drawings that is theirs, and their size."""
+HALO = {"boxstyle": "round,pad=0.1", "fc": "white", "ec": "none", "alpha": 0.8}
+"""Behind words that may come to lie on a drawing."""
 TEXT: Any = {"text.parse_math": False, "text.hinting": "no_hinting"}
 """Names are no formulae; letters are even without hints, whose programs would take a third of the time to draw."""
 MAX_POINTS = 6000
 """Points drawn of a cloud: more only darken the picture."""
 
 
-def new_figure(width: float = 8.0, height: float = 6.0) -> Figure:
+def new_figure(width: float, height: float) -> Figure:
     """An empty figure, in inches, that needs no display."""
     figure = Figure(figsize=(width, height), dpi=DPI, layout="constrained")
     FigureCanvasAgg(figure)
@@ -50,10 +53,7 @@ def entitle(figure: Figure, title: str) -> None:
     """Write a title in the figure's upper left corner; a second one takes its place."""
     width, height = figure.get_size_inches()
     place = {"x": CORNER_IN[0] / width, "y": 1 - CORNER_IN[1] / height, "ha": "left", "va": "top"}
-    figure.suptitle(title, fontsize=11, fontweight="bold", **place)
-    engine = figure.get_layout_engine()
-    if isinstance(engine, ConstrainedLayoutEngine):  # which leaves no room for a title that has a place of its own
-        engine.set(rect=(0, 0, 1, 1 - TITLE_IN / height))
+    figure.suptitle(title, fontsize=TITLE_PT, fontweight="bold", **place)
 
 
 def as_png(draw: Callable[[], Figure | None]) -> bytes | None:
@@ -90,6 +90,20 @@ def thinned(points: NDArray[Scalar]) -> NDArray[Scalar]:
 def counted(number: int, thing: str) -> str:
     """So many of a thing, in words."""
     return f"{number} {thing}" if number == 1 else f"{number} {thing}s"
+
+
+def in_numbers(direction: FloatArray) -> str:
+    """A direction (3,) in words that stay on one line."""
+    numbers = (f"{value + 0.0:.2f}" for value in np.round(direction, 2))
+    return f"({f',{NO_BREAK}'.join(numbers)})".replace("-", "−")
+
+
+def draw_scale(axes: Axes, colored: ScalarMappable, label: str, *, left: float, height: float = 1.0) -> None:
+    """What colours stand for, beside a panel; `left` and `height` are shares of the panel's width and height."""
+    place = axes.inset_axes((left, 0.0, 0.04, height))
+    bar = axes.get_figure(root=True).colorbar(colored, cax=place)  # type: ignore[union-attr]
+    bar.set_label(label, fontsize=9)
+    place.tick_params(labelsize=8)
 
 
 def closed(loop: FloatArray) -> FloatArray:
