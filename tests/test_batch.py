@@ -161,13 +161,22 @@ def batch(*arguments: str | Path, cwd: Path) -> subprocess.CompletedProcess[str]
     return subprocess.run([*COMMAND, *map(str, arguments)], cwd=cwd, capture_output=True, text=True, check=False)
 
 
+@pytest.fixture(scope="module")
+def whole(long: Path, plate: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """The files of a batch that nothing disturbed."""
+    folder = tmp_path_factory.mktemp("whole")
+    assert batch(long, plate, "-o", "out", "-j", "1", *FAST, cwd=folder).returncode == 0
+    return files(folder / "out")
+
+
 @pytest.mark.parametrize("where", [("-j", "2"), ("-j", "2", "--cluster", "local")], ids=["processes", "dask"])
-def test_every_executor_gives_the_same(where: tuple[str, ...], long: Path, plate: Path, tmp_path: Path) -> None:
-    assert batch(long, plate, "-o", "one", "-j", "1", *FAST, cwd=tmp_path).returncode == 0
-    done = batch(long, plate, "-o", "two", *where, *FAST, cwd=tmp_path)
+def test_every_executor_gives_the_same(
+    where: tuple[str, ...], whole: dict[str, str], long: Path, plate: Path, tmp_path: Path
+) -> None:
+    done = batch(long, plate, "-o", "out", *where, *FAST, cwd=tmp_path)
     assert (done.returncode, done.stdout) == (0, "")
     assert "Traceback" not in done.stderr
-    assert files(tmp_path / "one") == files(tmp_path / "two")
+    assert files(tmp_path / "out") == whole
 
 
 def test_summary_table_and_report(plate: Path, run: Run, tmp_path: Path) -> None:
@@ -302,14 +311,6 @@ def test_sources_from_a_list_and_from_urls(plate: Path, run: Run, tmp_path: Path
 # --- never lose work --------------------------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def whole(long: Path, plate: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
-    """The files of a batch that nothing disturbed."""
-    folder = tmp_path_factory.mktemp("whole")
-    assert batch(long, plate, "-o", "out", "-j", "1", *FAST, cwd=folder).returncode == 0
-    return files(folder / "out")
-
-
 @pytest.fixture
 def started(long: Path, plate: Path, tmp_path: Path) -> subprocess.Popen[str]:
     """A batch of two workers, at a moment at which some slices are done and some are not."""
@@ -342,7 +343,7 @@ linux = pytest.mark.skipif(sys.platform != "linux", reason="looks at processes i
 
 @linux
 def test_killed_it_goes_on_where_it_was(
-    started: subprocess.Popen[str], whole: dict[str, str], long: Path, plate: Path, tmp_path: Path
+    started: subprocess.Popen[str], whole: dict[str, str], long: Path, plate: Path, tmp_path: Path, run: Run
 ) -> None:
     workers = children(started)
     started.kill()
@@ -353,20 +354,20 @@ def test_killed_it_goes_on_where_it_was(
     while any(map(alive, workers)):  # workers do not outlive their coordinator
         assert time.monotonic() < end
         time.sleep(0.05)
-    assert batch(long, plate, "-o", "out", "-j", "2", *FAST, cwd=tmp_path).returncode == 0
+    assert run("batch", long, plate, "-o", tmp_path / "out", "-j", "1", *FAST).code == 0
     assert files(tmp_path / "out") == whole
 
 
 @linux
 def test_ctrl_c_says_how_to_go_on(
-    started: subprocess.Popen[str], whole: dict[str, str], long: Path, plate: Path, tmp_path: Path
+    started: subprocess.Popen[str], whole: dict[str, str], long: Path, plate: Path, tmp_path: Path, run: Run
 ) -> None:
     started.send_signal(signal.SIGINT)
     _, err = started.communicate(timeout=60)
     assert started.returncode == 130
     assert "the same command goes on from there" in err
     assert "Traceback" not in err
-    assert batch(long, plate, "-o", "out", "-j", "2", *FAST, cwd=tmp_path).returncode == 0
+    assert run("batch", long, plate, "-o", tmp_path / "out", "-j", "1", *FAST).code == 0
     assert files(tmp_path / "out") == whole
 
 

@@ -65,4 +65,10 @@ def test_the_contacts_are_on_the_pads_in_the_documents_order() -> None:
 
 @pytest.mark.parametrize("name", list_profiles("gripper"))
 def test_every_gripper_can_be_drawn(name: str) -> None:
-    assert (as_png(lambda: frames_figure(load_gripper(name), OPENING_M, WIDTH_M)) or b"").startswith(b"\x89PNG")
+    assert all(axes.patches for axes in panels(load_gripper(name)))
+
+
+def test_it_is_drawn_as_png() -> None:
+    content = as_png(lambda: frames_figure(load_gripper("lacquey"), OPENING_M, WIDTH_M))
+    assert content is not None
+    assert content.startswith(b"\x89PNG")

@@ -20,7 +20,7 @@ from flatgrasp_cli.scene import segment
 from flatgrasp_cli.scene.raster import Grid, Raster, fitting_cell_m, smoothed
 from flatgrasp_cli.scene.support_plane import find_support_plane, looks_down
 from flatgrasp_cli.sensor import located
-from tests.conftest import FLOOR, MM, SAMPLES, TABLE, WALL, Box, Camera, Tube
+from tests.conftest import FLOOR, MM, SAMPLES, TABLE, WALL, Box, Camera, Tube, planned_sample
 
 ABOVE, OBLIQUE = Camera(), Camera(tilt_deg=40)
 FAR = Camera(tilt_deg=60, distance=1.5, focal=260.0)
@@ -394,8 +394,8 @@ def test_a_stray_point_far_away_does_not_make_a_scene_too_large() -> None:
 @pytest.mark.parametrize("stray", [(0.0, 0.0, 0.0), (0.0, 0.0, 2.0), (1e5, 0.0, 3.0)])
 def test_one_stray_point_changes_nothing(name: str, stray: tuple[float, float, float]) -> None:
     (cloud,) = read_clouds(SAMPLES / f"{name}.pcd")
-    hand = load_gripper("pr2")
-    clean, strayed = plan(cloud, hand).best, plan(replace(cloud, points=np.vstack([cloud.points, stray])), hand).best
+    clean = planned_sample(name).best
+    strayed = plan(replace(cloud, points=np.vstack([cloud.points, stray])), load_gripper("pr2")).best
     assert clean is not None
     assert strayed is not None
     np.testing.assert_allclose(strayed.position, clean.position, atol=1e-9)

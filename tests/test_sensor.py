@@ -348,11 +348,11 @@ class TestStrays:
     @pytest.mark.parametrize("far", [1e3, 1e5, 2e8, 1e9])
     def test_a_far_point_is_left_out_and_counted(self, far: float) -> None:
         cloud = SLANTED.sees(TABLE, BLOCK)
+        one = plan(cloud, load_gripper("pr2"))
+        assert one.best is not None
         for place in ([far, 0, 0], [0, -far, far], [3.0, 0, -4.0]):
-            dirty = replace(cloud, points=np.vstack([cloud.points, place]))
-            one, other = plan(cloud, load_gripper("pr2")), plan(dirty, load_gripper("pr2"))
+            other = plan(replace(cloud, points=np.vstack([cloud.points, place])), load_gripper("pr2"))
             assert other.cloud.dropped == 1
-            assert one.best is not None
             assert other.best is not None
             assert other.best.position == pytest.approx(one.best.position, abs=1 * MM)
 
