@@ -25,8 +25,10 @@ def compare(plan: Plan) -> list[Comparison]:
 
 
 def _of_object(item: ObjectPlan, plan: Plan) -> Comparison:
-    outline = item.trace.silhouette
-    found = point_finger_grasps(outline, 0.0, plan.settings) if outline is not None else ()
-    if outline is None or not found:
+    outline, center = item.trace.silhouette, item.trace.gravity_center
+    if outline is None or center is None:
+        return Comparison(item, (), [])
+    found = point_finger_grasps(outline, center.area, 0.0, plan.settings)
+    if not found:
         return Comparison(item, (), [])
     return Comparison(item, found, shortcomings(outline, hands_of(found, outline), plan.gripper, plan.settings))

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from flatgrasp_cli import Plan, load_gripper, load_settings, plan
+from flatgrasp_cli import Plan, load_gripper, load_settings, plan, read_clouds
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
@@ -19,7 +19,7 @@ from flatgrasp_cli.planner import plan_object
 from flatgrasp_cli.planner.slices import lowest_tip, slices
 from flatgrasp_cli.profiles import Gripper
 from flatgrasp_cli.scene import segment
-from tests.conftest import MM, TABLE, Box, Camera, Solid, Tube
+from tests.conftest import MM, SAMPLES, TABLE, Box, Camera, Solid, Tube
 
 ABOVE = Camera(pixels=(320, 240), focal=420.0)
 KINECT = Camera(tilt_deg=50, pixels=(640, 480), focal=525.0)
@@ -227,6 +227,30 @@ class TestDepth:
         for grasp in middle:
             assert grasp.tip_height_m == pytest.approx(DEPTH.low_object_share * low, abs=0.4 * MM)
             assert grasp.width_m == pytest.approx(0.008, abs=2 * MM)
+
+    def test_the_centre_of_gravity_is_the_objects_and_not_the_slices(self, pr2: Gripper) -> None:
+        """A plate with a knob at its end: the knob alone can be gripped, 4 cm from the plate's middle."""
+        x, y = ground()
+        plate, knob = (np.abs(x) < 0.06) & (np.abs(y) < 0.06), (np.abs(x - 0.04) < 0.012) & (np.abs(y) < 0.012)
+        heights = np.where(knob, 40 * MM, np.where(plate, 10 * MM, 0.0))
+        item = planned(relief(heights), pr2, top=1000).objects[0]
+        assert item.trace.level_m is not None
+        assert item.trace.level_m > 10 * MM
+        across = [
+            grasp.gravity_distance_m
+            for grasp in item.grasps
+            if abs(axes_from_quaternion(grasp.orientation)[1, 1]) > 0.999
+        ]
+        assert len(across) > 0
+        assert across == pytest.approx(np.full(len(across), 0.04), abs=8 * MM)
+
+    @pytest.mark.parametrize("name", ["lacquey", "pr2", "robotiq_2f_85"])
+    def test_a_pen_of_few_points_is_not_in_the_way_of_its_own_fingers(self, name: str) -> None:
+        """A rod of 8 mm in three rows of pixels: six neighbours of a point lie far along it, not a cell apart."""
+        scene = next(iter(read_clouds(SAMPLES / "table_scene.pcd")))
+        pen = min(plan(scene, load_gripper(name)).objects, key=lambda item: len(item.object.points))
+        assert len(pen.object.points) < 60
+        assert pen.grasps[0].width_m == pytest.approx(0.008, abs=1.5 * MM)
 
     def test_a_knife_is_taken_by_its_handle(self, pr2: Gripper) -> None:
         """Though its middle is nearer, and wide enough for the pads: a blade is low."""

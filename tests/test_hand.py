@@ -13,6 +13,7 @@ from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.polygon import left_normal
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates, Silhouette
 from flatgrasp_cli.planner import balance, hand
+from flatgrasp_cli.planner.contacts import pad_contacts
 from flatgrasp_cli.planner.fingers import finger_candidates, inward_directions, step_points
 from flatgrasp_cli.profiles import Gripper, load_gripper, load_settings
 
@@ -55,6 +56,27 @@ def finger_box(
         corners = [(low, span[0]), (high, span[0]), (high, span[1]), (low, span[1])]
         boxes.append(shapely.Polygon([origin + x * across + y * out for x, y in corners]))
     return shapely.union_all(boxes)
+
+
+@settings(max_examples=15)
+@given(st.integers(0, 999), st.sampled_from(GRIPPERS))
+def test_pads_touch_the_boundary_that_comes_nearest_to_them(seed: int, name: str) -> None:
+    """Each contact lies on its pad, in front of what a search along the boundary finds within the tolerance."""
+    gripper = load_gripper(name)
+    outline = bumpy(seed)
+    fingers, pairs = pairs_on(outline, gripper)
+    fit = hand.swept_fit(outline, fingers, pairs, gripper, TOLERANCE_M)
+    touched = pad_contacts(fingers, pairs, fit, gripper, TOLERANCE_M)
+    middle, across = hand.centers(fingers, pairs, fit), left_normal(pairs.axis)
+    for k in range(0, len(pairs), max(1, len(pairs) // 10)):
+        for side, candidate, out in ((0, pairs.i[k], -pairs.axis[k]), (1, pairs.j[k], pairs.axis[k])):
+            assert (touched[k, side] - middle[k]) @ out == pytest.approx(0.5 * fit.width[k], abs=1e-9)
+            arc = fingers.arcs[candidate] - middle[k]
+            aside = arc @ across[k]
+            under = np.abs(aside[:, None] - gripper.jaws[side]).min(axis=1) <= 0.5001 * gripper.finger_width_m
+            if under.any():
+                near = under & (arc @ out >= (arc @ out)[under].max() - TOLERANCE_M)
+                assert (touched[k, side] - middle[k]) @ across[k] == pytest.approx(aside[near].mean(), abs=1e-9)
 
 
 @settings(max_examples=15)

@@ -20,7 +20,7 @@ from flatgrasp_cli.model.clouds import (
     SupportPlane,
 )
 from flatgrasp_cli.model.grasps import Cage, Closure, Grasp, Reach, Tolerance
-from flatgrasp_cli.model.outlines import OrientedBox, Silhouette, StepPoints
+from flatgrasp_cli.model.outlines import GravityCenter, OrientedBox, Silhouette, StepPoints
 from flatgrasp_cli.model.plans import ObjectPlan, Rejection, Stage, Trace
 from flatgrasp_cli.model.poses import Pose, Poses, Way
 
@@ -36,6 +36,7 @@ __all__ = [
     "Floor",
     "Grasp",
     "GraspCandidates",
+    "GravityCenter",
     "ImageGrid",
     "KnownFrom",
     "ObjectCloud",

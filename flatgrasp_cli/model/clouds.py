@@ -252,11 +252,12 @@ class Floor:
     """What was seen of a support plane with nothing on it: cells of its own `frame`, whose z axis is the normal.
 
     `levels` holds the height over the plane around each such cell, −inf in all others. Cells serve all objects alike
-    and are far fewer than the plane's points.
+    and are far fewer than the plane's points, which lie `spacing_m` apart.
     """
 
     frame: Frame
     levels: HeightMap
+    spacing_m: float
 
     @property
     def points(self) -> FloatArray:

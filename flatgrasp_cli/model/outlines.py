@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame
@@ -35,6 +36,23 @@ class Silhouette:
     heights: FloatArray
     alpha_m: float
     coverage: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GravityCenter:
+    """Where an object's centre of gravity may be in the plane: the centroid of its `area`, the mean of its `points`.
+
+    Both are (2,); `used` names the one that grasps are judged by.
+    """
+
+    area: FloatArray
+    points: FloatArray
+    used: Literal["area", "points"]
+
+    @property
+    def place(self) -> FloatArray:
+        """The one that is used (2,)."""
+        return self.area if self.used == "area" else self.points
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,7 +8,7 @@ from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.model.candidates import FingerCandidates
 from flatgrasp_cli.model.clouds import ObjectCloud
 from flatgrasp_cli.model.grasps import Grasp
-from flatgrasp_cli.model.outlines import OrientedBox, Silhouette, StepPoints
+from flatgrasp_cli.model.outlines import GravityCenter, OrientedBox, Silhouette, StepPoints
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +50,7 @@ class Trace:
     doubted_directions: int = 0
     force_balance_deg: FloatArray | None = None
     survivors: dict[str, IntArray] = field(default_factory=dict)
-    gravity_center: FloatArray | None = None
+    gravity_center: GravityCenter | None = None
     ranked: IntArray | None = None
     gravity_distance_m: FloatArray | None = None
 

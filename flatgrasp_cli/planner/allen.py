@@ -12,7 +12,7 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import quaternion_from_axes
-from flatgrasp_cli.geometry.polygon import area_centroid, cross, left_normal, share_inside
+from flatgrasp_cli.geometry.polygon import cross, left_normal, share_inside
 from flatgrasp_cli.model import Cage, Grasp, Silhouette
 from flatgrasp_cli.planner.caging import Hands, Immobilisation, immobilising_grasps
 from flatgrasp_cli.profiles.gripper import Gripper
@@ -22,14 +22,16 @@ THIN_M = 1e-4
 """Fingers that overlap the outline by less than a sliver of this width touch it."""
 
 
-def point_finger_grasps(outline: Silhouette, tip_m: float, settings: PlannerSettings) -> tuple[Grasp, ...]:
+def point_finger_grasps(
+    outline: Silhouette, center: FloatArray, tip_m: float, settings: PlannerSettings
+) -> tuple[Grasp, ...]:
     """The grasps of an outline that two point fingers close into, the one that forgives most first.
 
     Where the distance of the fingers is least, their line is normal to the outline, or to its generalised normal at a
-    corner: the force balance is exact and no friction is needed. `tip_m` is the height of the fingertips.
+    corner: the force balance is exact and no friction is needed. `center` (2,) is the object's centre of
+    gravity, `tip_m` the height of the fingertips.
     """
     found = immobilising_grasps(outline.loops, settings.caging)
-    center = area_centroid(outline.loops)
     return tuple(_grasp(k, one, outline, center, tip_m) for k, one in enumerate(found))
 
 

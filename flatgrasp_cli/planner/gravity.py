@@ -8,7 +8,7 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.geometry.polygon import area_centroid, cross, dot, left_normal, share_inside
-from flatgrasp_cli.model import FingerCandidates, GraspCandidates, Silhouette
+from flatgrasp_cli.model import FingerCandidates, GraspCandidates, GravityCenter, Silhouette
 from flatgrasp_cli.planner.depth import Landing
 from flatgrasp_cli.planner.hand import Fit, centers
 from flatgrasp_cli.profiles.settings import GravitySettings, PlannerSettings
@@ -22,25 +22,25 @@ MOST_FRICTION = 10.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RankingCost:
-    """Centre of gravity (2,), and for p pairs gravity distance, share of the segment inside, and cost in metres."""
+    """For p pairs gravity distance, share of the segment inside the outline, and cost in metres, (p,) each."""
 
-    center: FloatArray
     distance: FloatArray
     inside_share: FloatArray
     cost: FloatArray
 
     def select(self, keep: IntArray) -> RankingCost:
         """The rows that `keep` names."""
-        return RankingCost(self.center, self.distance[keep], self.inside_share[keep], self.cost[keep])
+        return RankingCost(self.distance[keep], self.inside_share[keep], self.cost[keep])
 
 
-def gravity_center(silhouette: Silhouette, method: str) -> FloatArray:
-    """Centre of gravity (2,) in the main plane.
+def gravity_center(whole: Silhouette, settings: GravitySettings) -> GravityCenter:
+    """The object's centre of gravity in the plane, from the silhouette of the whole object.
 
-    `area`: the centroid of the outline's area, as of a plate; `points`: the mean of the visible points, which follows
-    their density.
+    `area`: the centroid of the silhouette, as of a plate; `points`: the mean of the visible points, which follows their
+    density.
     """
-    return area_centroid(silhouette.loops) if method == "area" else silhouette.points.mean(axis=0)
+    points = whole.points.mean(axis=0)
+    return GravityCenter(area_centroid(whole.loops) if whole.loops else points, points, settings.center)
 
 
 def gravity_distance(fingers: FingerCandidates, pairs: GraspCandidates, center: FloatArray) -> FloatArray:
@@ -58,10 +58,17 @@ def overhang(fingers: FingerCandidates, pairs: GraspCandidates, center: FloatArr
 
 
 def ranking_cost(
-    fingers: FingerCandidates, pairs: GraspCandidates, outline: Silhouette, fit: Fit, settings: GravitySettings
+    fingers: FingerCandidates,
+    pairs: GraspCandidates,
+    outline: Silhouette,
+    center: FloatArray,
+    fit: Fit,
+    settings: GravitySettings,
 ) -> RankingCost:
-    """What the pairs are ranked by: the paper's gravity distance, plus what the settings add to it."""
-    center = gravity_center(outline, settings.center)
+    """What the pairs are ranked by: the paper's gravity distance, plus what the settings add to it.
+
+    `center` (2,) is the object's centre of gravity in the plane of the `outline`.
+    """
     distance = gravity_distance(fingers, pairs, center)
     share = share_inside(outline.loops, fingers.contact[pairs.i], fingers.contact[pairs.j])
     friction = np.minimum(pairs.required_friction, MOST_FRICTION)
@@ -77,7 +84,7 @@ def ranking_cost(
     )
     if settings.lonely_cost_m > 0:
         cost = cost + settings.lonely_cost_m * _loneliness(centers(fingers, pairs, fit), pairs.axis)
-    return RankingCost(center, distance, share, cost)
+    return RankingCost(distance, share, cost)
 
 
 def _loneliness(middles: FloatArray, axes: FloatArray) -> FloatArray:

@@ -26,6 +26,8 @@ FINGERS_M = 0.12
 """How far beyond an object fingers may come down beside it."""
 FLOOR_M = 0.3
 """The support plane farther than this from a standing object's middle cannot meet the hand."""
+NEIGHBOURS_WITHIN = 2.0
+"""Six neighbours of a point at the edge of a square grid lie within so many steps; on a rod they lie far along it."""
 MIN_CELL_M = 0.002
 """Cells of height maps: the points' spacing, but no smaller than what matters to a finger."""
 HANGING_M, MOST_HANGING_M = 0.02, 0.04
@@ -53,6 +55,8 @@ def sliced(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, settings
     frame = replace(box.frame, origin=box.frame.origin - support.heights(box.frame.origin) * support.normal)
     local, obstacles = frame.to_local(cloud.points), frame.to_local(cloud.obstacles)
     spacing_m = spacing(local[:, :2])
+    if cloud.floor is not None:
+        spacing_m = min(spacing_m, NEIGHBOURS_WITHIN * cloud.floor.spacing_m)
     cell_m = max(MIN_CELL_M, spacing_m)
     others = HeightMap.around(local, cell_m, FINGERS_M).raised(obstacles)
     if cloud.floor is not None:

@@ -15,6 +15,7 @@ from flatgrasp_cli.model import (
     FingerCandidates,
     Grasp,
     GraspCandidates,
+    GravityCenter,
     ObjectCloud,
     ObjectPlan,
     OrientedBox,
@@ -26,10 +27,11 @@ from flatgrasp_cli.model import (
 from flatgrasp_cli.planner.allen import point_finger_grasps
 from flatgrasp_cli.planner.balance import force_balance, force_balanced, torque_balanced
 from flatgrasp_cli.planner.certification import certified, surest_first
+from flatgrasp_cli.planner.contacts import pad_contacts
 from flatgrasp_cli.planner.depth import Landing, at_mid_height, land, upright
 from flatgrasp_cli.planner.fingers import finger_candidates, inward_directions, step_points
 from flatgrasp_cli.planner.funnel import Funnel, NothingLeft
-from flatgrasp_cli.planner.gravity import RankingCost, best_first, landing_cost, ranking_cost
+from flatgrasp_cli.planner.gravity import RankingCost, best_first, gravity_center, landing_cost, ranking_cost
 from flatgrasp_cli.planner.hand import Fit, centers, clear_of_palm, closing_axes, flat, in_range, on_pads, operable
 from flatgrasp_cli.planner.main_plane import oriented_box
 from flatgrasp_cli.planner.parts import Part, hanging_m, sliced, standing
@@ -57,12 +59,15 @@ def plan_object(cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings,
     if hanging := hanging_m(parts[0]):
         reason = f"it hangs {1e3 * hanging:.0f} mm up in the air: only free space was seen below it"
         return _nothing(cloud, "support", reason)
+    whole_outline = _silhouette(parts[0], settings)
+    center = gravity_center(whole_outline, settings.gravity)
     cages_decide = settings.caging.require or settings.caging.prefer == "cage"
 
-    def planned(part: Part) -> ObjectPlan:
-        if not cages_decide:
-            return _plan_part(cloud, part, gripper, settings, top)
-        return certified(_plan_part(cloud, part, gripper, settings, settings.caging.considered), gripper, settings, top)
+    def planned(part: Part, outline: Silhouette | None = None, center: GravityCenter = center) -> ObjectPlan:
+        outline = outline or _silhouette(part, settings)
+        considered = settings.caging.considered if cages_decide else top
+        plan = _plan_part(cloud, part, (outline, center), gripper, settings, considered)
+        return certified(plan, gripper, settings, top) if cages_decide else plan
 
     best_first = partial(_best_first, by_cage=settings.caging.prefer == "cage")
     if cages_decide or settings.method == "allen":  # whose costs are no lengths that add up
@@ -70,7 +75,9 @@ def plan_object(cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings,
     else:
         best = _cheapest(parts, planned, settings)
     side = standing(cloud, box, settings) if cloud.support is not None and not best.grasps else None
-    best = best if side is None else min(best, planned(side), key=best_first)
+    if side is not None:
+        whole_side = _silhouette(side, settings)
+        best = min(best, planned(side, whole_side, gravity_center(whole_side, settings.gravity)), key=best_first)
     return best if cages_decide else certified(best, gripper, settings, top)
 
 
@@ -102,30 +109,44 @@ def _best_first(plan: ObjectPlan, by_cage: bool = False) -> tuple[bool, float, f
     return (*surest_first(plan.grasps[0]), 0) if by_cage else (False, 0.0, plan.grasps[0].cost_m, 0)
 
 
-def _plan_part(cloud: ObjectCloud, part: Part, gripper: Gripper, settings: PlannerSettings, top: int) -> ObjectPlan:
+def _plan_part(
+    cloud: ObjectCloud,
+    part: Part,
+    shape: tuple[Silhouette, GravityCenter],
+    gripper: Gripper,
+    settings: PlannerSettings,
+    top: int,
+) -> ObjectPlan:
     funnel, trace = Funnel(), Trace(box=part.box, level_m=part.terrain.level_m if part.terrain else None)
     grasps: tuple[Grasp, ...] = ()
     rejection: Rejection | None = None
     try:
-        grasps = _section_three(part, gripper, settings, (funnel, trace), top)
+        grasps = _section_three(part, shape, (gripper, settings), (funnel, trace), top)
     except NothingLeft as end:
         rejection = end.rejection
     trace.survivors = funnel.survivors
     return ObjectPlan(cloud, tuple(funnel.stages), grasps, rejection, trace)
 
 
+def _silhouette(part: Part, settings: PlannerSettings) -> Silhouette:
+    """A.2, after A.1, which is the part's box and its main plane."""
+    return silhouette(part.points, part.frame, settings.silhouette, part.spacing_m)
+
+
 def _section_three(
-    part: Part, gripper: Gripper, settings: PlannerSettings, notes: tuple[Funnel, Trace], top: int
+    part: Part,
+    shape: tuple[Silhouette, GravityCenter],
+    hand: tuple[Gripper, PlannerSettings],
+    notes: tuple[Funnel, Trace],
+    top: int,
 ) -> tuple[Grasp, ...]:
     """The method in the paper's order; what it finds on the way goes into the funnel and the trace."""
-    funnel, trace = notes
+    (outline, center), (gripper, settings), (funnel, trace) = shape, hand, notes
     box, terrain = part.box, part.terrain
-    # A.1 is the box and its main plane; A.2 the silhouette
-    outline = silhouette(part.points, part.frame, settings.silhouette, part.spacing_m)
     funnel.count("silhouette", len(outline.loops), "the points are too scattered for an outline")
-    trace.silhouette = outline
+    trace.silhouette, trace.gravity_center = outline, center
     if settings.method == "allen":
-        grasps = point_finger_grasps(outline, terrain.lowest_m if terrain else 0.0, settings)
+        grasps = point_finger_grasps(outline, center.area, terrain.lowest_m if terrain else 0.0, settings)
         funnel.count("immobilising", len(grasps), "no two points of the outline hold it, as on any convex one")
         return grasps[:top]
 
@@ -164,31 +185,31 @@ def _section_three(
         pairs, fit, landing = land(fingers, pairs, fit, terrain, (gripper, settings), funnel)
 
     # C gravity, and the final grasp
-    ranking = ranking_cost(fingers, pairs, outline, fit, settings.gravity)
+    ranking = ranking_cost(fingers, pairs, outline, center.place, fit, settings.gravity)
     cost = ranking.cost + landing_cost(landing, settings) if terrain else ranking.cost
     order = best_first(pairs, cost)
-    trace.gravity_center, trace.gravity_distance_m = ranking.center, ranking.distance[order]
+    trace.gravity_distance_m = ranking.distance[order]
     trace.ranked = np.column_stack([pairs.i, pairs.j])[order]
     best = order[:top]
     hands = (pairs.select(best), fit.select(best), ranking.select(best), landing.select(best))
-    return _grasps(outline, fingers, hands, cost[best], terrain is not None)
+    touched = pad_contacts(fingers, hands[0], hands[1], gripper, settings.hand.contact_tolerance_m)
+    return _grasps(outline, fingers, hands, (touched, cost[best]), terrain is not None)
 
 
 def _grasps(
     outline: Silhouette,
     fingers: FingerCandidates,
     hands: tuple[GraspCandidates, Fit, RankingCost, Landing],
-    cost: FloatArray,
+    judged: tuple[FloatArray, FloatArray],
     on_support: bool,
 ) -> tuple[Grasp, ...]:
     """The records of pairs, best first.
 
     Hand y is the closing axis and hand z = −normal, so hand x = y × z = normal × y: y turned left in the plane.
     """
-    pairs, fit, ranking, landing = hands
+    (pairs, fit, ranking, landing), (touched, cost) = hands, judged
     frame = outline.frame
     position = frame.to_world(np.column_stack([centers(fingers, pairs, fit), landing.tip]))
-    touched = np.stack([fingers.contact[pairs.i], fingers.contact[pairs.j]], axis=1)
     heights = np.repeat(landing.touch[:, None, None], 2, axis=1)
     contacts = frame.to_world(np.concatenate([touched, heights], axis=2))
     axes = np.empty((len(pairs), 3, 3))

@@ -8,12 +8,14 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import asdict
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
+from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.model import (
     Grasp,
+    GravityCenter,
     ObjectPlan,
     OrientedBox,
     Pose,
@@ -23,7 +25,6 @@ from flatgrasp_cli.model import (
     Silhouette,
     SupportPlane,
 )
-from flatgrasp_cli.planner.gravity import gravity_center
 from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.results.contracts import (
     SCHEMA_ID,
@@ -133,8 +134,8 @@ def _object(item: ObjectPlan, plan: Plan) -> ObjectPart:
         obb=box and _box(box),
         aabb=box and AabbPart(min=_numbers(box.aabb[0]), max=_numbers(box.aabb[1])),
         silhouette=outline and _silhouette(outline, trace.level_m),
-        gravity_center=_gravity(outline, plan.settings.gravity.center)
-        if outline is not None and outline.loops
+        gravity_center=_gravity(outline.frame, trace.gravity_center)
+        if outline is not None and outline.loops and trace.gravity_center is not None
         else None,
         fingers=FingersPart(
             step_m=_number(trace.steps[0].step_m) if trace.steps else None, doubted_directions=trace.doubted_directions
@@ -160,13 +161,12 @@ def _silhouette(outline: Silhouette, level_m: float | None) -> SilhouettePart:
     )
 
 
-def _gravity(outline: Silhouette, used: Literal["area", "points"]) -> GravityPart:
-    area, points = (gravity_center(outline, method) for method in ("area", "points"))
+def _gravity(plane: Frame, center: GravityCenter) -> GravityPart:
     return GravityPart(
-        area=_numbers(outline.frame.to_world(area)),
-        points=_numbers(outline.frame.to_world(points)),
-        distance_m=_number(float(np.linalg.norm(area - points))),
-        used=used,
+        area=_numbers(plane.to_world(center.area)),
+        points=_numbers(plane.to_world(center.points)),
+        distance_m=_number(float(np.linalg.norm(center.area - center.points))),
+        used=center.used,
     )
 
 

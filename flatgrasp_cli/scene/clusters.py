@@ -128,7 +128,8 @@ def _floor(frame: Frame, raster: Raster, total: FloatArray, above: tuple[IntArra
     count = raster.count - np.bincount(cell, minlength=raster.count.size).reshape(raster.count.shape)
     mean = (total - raster.total(heights, cell)) / np.maximum(count, 1)
     level = smoothed(mean, count, 2 * round(0.5 * CALM_WINDOW_M / raster.grid.cell_m) + 1)
-    return Floor(frame, HeightMap(raster.grid.origin, raster.grid.cell_m, np.where(count > 0, level, UNSEEN)))
+    levels = HeightMap(raster.grid.origin, raster.grid.cell_m, np.where(count > 0, level, UNSEEN))
+    return Floor(frame, levels, raster.grid.cell_m / float(np.sqrt(np.median(count[count > 0]))))
 
 
 def _standing(raster: Raster, own: FloatArray, table: BoolArray, noise_m: float, settings: SceneSettings) -> BoolArray:

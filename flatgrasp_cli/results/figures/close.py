@@ -45,8 +45,9 @@ def draw_close(axes: Axes, plan: Plan, item: ObjectPlan, view: View) -> FloatArr
     _draw_grasps(axes, plan, item, view)
     center = item.trace.gravity_center
     if center is not None and outline is not None:
-        place = view.of_plane(outline.frame, center[None])
+        place = view.of_plane(outline.frame, center.place[None])
         axes.plot(*place.T, "P", color=PURPLE, ms=11, mec="white", zorder=8, ls="none", label="centre of gravity")
+        drawn = np.vstack([drawn, place])
     show(axes, drawn, MARGIN_SHARE * float(np.ptp(drawn, axis=0).max(initial=0.0)) if len(drawn) else 0.0)
     tick_labels(axes, view)
     return drawn

@@ -220,7 +220,7 @@ def _gravity(plan: Plan, item: ObjectPlan) -> Figure:
         plane.axes.plot(*ends.T, color=RED, lw=4, zorder=5, solid_capstyle="butt", label=label)
     plane.axes.plot(*plane.of(contact[best]).T, color=RED, lw=1.5, zorder=5, label="the final grasp")
     if trace.gravity_center is not None:
-        center = plane.of(trace.gravity_center[None])
+        center = plane.of(trace.gravity_center.place[None])
         plane.axes.plot(
             *center.T, "P", color=PURPLE, ms=11, mec="white", ls="none", zorder=6, label="centre of gravity"
         )
