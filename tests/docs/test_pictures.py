@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -15,17 +16,26 @@ MEASURED = {"frame_rate.png"}
 NUMBER = re.compile(r"[−-]?\d+(?:\.\d+)?")
 
 
-def alike(one: Any, other: Any) -> bool:
-    """Whether two pictures show the same, but for what rounding on another machine may change."""
-    if isinstance(one, dict) and isinstance(other, dict):
-        return one.keys() == other.keys() and all(alike(one[key], other[key]) for key in one)
-    if isinstance(one, list) and isinstance(other, list):
-        return len(one) == len(other) and all(map(alike, one, other))
-    if isinstance(one, str) and isinstance(other, str):  # a tenth of a millimetre or of a degree may round up or down
-        return NUMBER.split(one) == NUMBER.split(other) and numbers(one) == pytest.approx(
-            numbers(other), rel=0.01, abs=0.11
-        )
-    return bool(one == pytest.approx(other, rel=0.01, abs=0.005) if isinstance(one, float) else one == other)
+def differences(now: Any, kept: Any, where: str = "") -> Iterator[str]:
+    """Where two pictures show something else, but for what rounding on another machine may change."""
+    if isinstance(now, dict) and isinstance(kept, dict) and now.keys() == kept.keys():
+        for key, value in now.items():
+            yield from differences(value, kept[key], f"{where} {key}")
+    elif isinstance(now, list) and isinstance(kept, list) and len(now) == len(kept):
+        for number, (one, other) in enumerate(zip(now, kept, strict=True)):
+            yield from differences(one, other, f"{where} {number}")
+    elif not alike(now, kept):
+        yield f"{where}: now {now!r}, in the picture {kept!r}"
+
+
+def alike(now: Any, kept: Any) -> bool:
+    """Whether two values are the same but for rounding: in texts of the last digit, in places of a pixel or two."""
+    if isinstance(now, str) and isinstance(kept, str):
+        words = NUMBER.split(now) == NUMBER.split(kept)
+        return words and numbers(now) == pytest.approx(numbers(kept), rel=0.01, abs=0.11)
+    if isinstance(now, float) and isinstance(kept, float):
+        return now == pytest.approx(kept, rel=0.01, abs=0.005)
+    return bool(now == kept)
 
 
 def numbers(text: str) -> list[float]:
@@ -40,9 +50,8 @@ def test_the_program_draws_what_the_picture_shows(name: str, tmp_path: Path, mon
     pictures, record = list(tmp_path.glob("*.png")), drawn.read()
     assert pictures
     for picture in pictures:
-        now, kept = found[drawn.digest(picture)], record[picture.name]["shows"]
-        older = f"docs/{picture.name} is older than the program: python docs/make_pictures.py {name}"
-        assert alike(now, kept), older
+        changed = list(differences(found[drawn.digest(picture)], record[picture.name]["shows"]))
+        assert changed == [], f"docs/{picture.name} is older than the program: python docs/make_pictures.py {name}"
 
 
 def test_each_picture_is_the_one_that_the_record_is_about() -> None:
@@ -54,9 +63,10 @@ def test_each_picture_is_the_one_that_the_record_is_about() -> None:
 
 def test_what_differs_is_told_from_what_rounds_differently() -> None:
     text = "the fingertips end at x −83, y 102 mm"
-    assert alike(text, "the fingertips end at x −83, y 103 mm")
-    assert not alike(text, "the fingertips end at x 83, y 102 mm")
-    assert not alike(text, "the fingertips ended at x −83, y 102 mm")
-    assert alike({"extent": [0.1, None]}, {"extent": [0.104, None]})
-    assert not alike({"extent": [0.1, None]}, {"extent": [0.12, None]})
-    assert not alike(["cloud"], ["cloud", "outline"])
+    for other in ("the fingertips end at x 83, y 102 mm", "the fingertips ended at x −83, y 102 mm"):
+        assert len(list(differences({"words": text}, {"words": other}))) == 1
+    assert list(differences(text, "the fingertips end at x −83, y 103 mm")) == []
+    assert list(differences({"extent": [0.1, None]}, {"extent": [0.104, None]})) == []
+    shifted = differences({"panels": [{"extent": [0.1, 0.5]}]}, {"panels": [{"extent": [0.1, 0.52]}]})
+    assert list(shifted) == [" panels 0 extent 1: now 0.5, in the picture 0.52"]
+    assert len(list(differences(["cloud"], ["cloud", "outline"]))) == 1
