@@ -14,7 +14,7 @@ from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.model import Cloud
 from flatgrasp_cli.sources.selection import Moment, Selection
 from tests.conftest import SAMPLES, Run
-from tests.recordings import ROS2, START_NS, header2, transform2, write_messages
+from tests.recordings.writing import ROS2, START_NS, header2, transform2, write_messages
 
 S = 1_000_000_000
 DOWN = (1.0, 0.0, 0.0, 0.0)

@@ -23,7 +23,7 @@ from rosbags.rosbag2 import CompressionMode, StoragePlugin
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.sources.containers import Problems, Recording, Topic, bounded, is_recording, open_recording
 from flatgrasp_cli.sources.containers.merge import in_order
-from tests.recordings import (
+from tests.recordings.writing import (
     BARE,
     CLOUD_TYPE,
     POINTS,
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from flatgrasp_cli.sources.containers.mcap import McapRecording
     from flatgrasp_cli.sources.containers.ros1_bag import Ros1Recording
 
-RECORDINGS = Path(__file__).resolve().parents[2] / "shared" / "data" / "recordings"
+RECORDINGS = Path(__file__).resolve().parents[3] / "shared" / "data" / "recordings"
 BZ2, LZ4 = Ros1Writer.CompressionFormat.BZ2, Ros1Writer.CompressionFormat.LZ4
 NONE = CompressionType.NONE
 

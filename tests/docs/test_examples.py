@@ -21,7 +21,7 @@ from flatgrasp_cli.model import Cloud
 from flatgrasp_cli.robot import forward
 from tests.conftest import Box, Camera
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "docs" / "examples"
 UR5 = load_robot("ur5")
 Example = Callable[[str], None]

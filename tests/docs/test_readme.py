@@ -11,7 +11,7 @@ import pytest
 
 from flatgrasp_cli.cli import cli
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 COMMANDS = re.findall(r"^\$ (.*flatgrasp.*?)(?:\s+#.*)?$", README, flags=re.MULTILINE)
 

@@ -12,7 +12,7 @@ from rosbags.rosbag1 import Writer
 
 from flatgrasp_cli.geometry.arrays import FloatArray
 from tests.conftest import Box, Camera, Run
-from tests.recordings import CLOUD_TYPE, POINTS, ROS1, cloud_message, stamps
+from tests.recordings.writing import CLOUD_TYPE, POINTS, ROS1, cloud_message, stamps
 
 UPSIDE = "the hand comes from above, as the frame's name or --up says"
 

@@ -29,9 +29,9 @@ from flatgrasp_cli.sources.messages import (
 from flatgrasp_cli.sources.messages.foxglove import decode_foxglove
 from flatgrasp_cli.sources.messages.packed import BLOCK
 from flatgrasp_cli.sources.messages.pointcloud2 import decode_pointcloud, decode_pointcloud2
-from tests.test_rvl import encode_rvl
+from tests.recordings.test_rvl import encode_rvl
 
-RECORDINGS = Path(__file__).resolve().parents[2] / "shared" / "data" / "recordings"
+RECORDINGS = Path(__file__).resolve().parents[3] / "shared" / "data" / "recordings"
 ROS_TYPES = {"i1": 1, "u1": 2, "i2": 3, "u2": 4, "i4": 5, "u4": 6, "f4": 7, "f8": 8}
 FOXGLOVE_TYPES = {"u1": 1, "i1": 2, "u2": 3, "i2": 4, "u4": 5, "i4": 6, "f4": 7, "f8": 8}
 NAN, INF = np.nan, np.inf

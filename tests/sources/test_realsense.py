@@ -17,7 +17,7 @@ from flatgrasp_cli.model import Cloud
 from flatgrasp_cli.sources.containers.bounded import inflate, inflate_lz4_unchecked
 from flatgrasp_cli.sources.selection import Selection
 from flatgrasp_cli.sources.summary import summarize
-from tests.recordings import ROS1, START_NS
+from tests.recordings.writing import ROS1, START_NS
 
 IMAGE, INFO, UNIT = "sensor_msgs/msg/Image", "sensor_msgs/msg/CameraInfo", "std_msgs/msg/Float32"
 SENSOR = "/device_0/sensor_0"

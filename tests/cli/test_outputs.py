@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from flatgrasp_cli.whole_files import draft_of, write_bytes, write_text
+from tests.cli.test_cli import COMMAND, PNG, slab, write_pcd
 from tests.conftest import SAMPLES, TABLE, Camera, Run
-from tests.test_cli import COMMAND, PNG, slab, write_pcd
 
 
 @pytest.fixture(scope="module")

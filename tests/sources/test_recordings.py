@@ -28,7 +28,7 @@ from flatgrasp_cli.sensor import located
 from flatgrasp_cli.sources.selection import Every, Moment, Selection, parse_every, parse_moment
 from flatgrasp_cli.sources.summary import summarize
 from tests.conftest import MM, SAMPLES, Run
-from tests.recordings import (
+from tests.recordings.writing import (
     CLOUD_TYPE,
     POINTS,
     ROS1,

@@ -33,10 +33,10 @@ from flatgrasp_cli.batch.summary import chosen, summarize
 from flatgrasp_cli.batch.work import work as work_of_a_slice
 from flatgrasp_cli.sources.selection import Every, Moment, Selection
 from flatgrasp_cli.whole_files import write_text
+from tests.cli.test_cli import slab, write_pcd
 from tests.conftest import SAMPLES, Ended, Run
-from tests.recordings import CLOUD_TYPE, POINTS, ROS2, START_NS
-from tests.test_cli import slab, write_pcd
-from tests.test_recordings import cloud_message
+from tests.recordings.writing import CLOUD_TYPE, POINTS, ROS2, START_NS
+from tests.sources.test_recordings import cloud_message
 
 PERIOD_NS = 100_000_000
 LONG = 4 * FRAMES

@@ -26,7 +26,7 @@ from flatgrasp_cli.planner.caging.outline import prepare
 from flatgrasp_cli.planner.caging.stretching import stretching
 from flatgrasp_cli.profiles import Gripper
 from flatgrasp_cli.profiles.settings import CagingSettings
-from tests.caging_shapes import (
+from tests.planner.caging_shapes import (
     ARCH,
     SLOT,
     bowtie,
