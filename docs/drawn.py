@@ -8,7 +8,6 @@ in the legend.
 from __future__ import annotations
 
 import hashlib
-import io
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -26,6 +25,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.results.figures import style
 from flatgrasp_cli.whole_files import write_text
 
 RECORD = Path(__file__).resolve().parent / "drawn.json"
@@ -37,14 +37,15 @@ Shown = dict[str, Any]
 
 @contextmanager
 def recorded() -> Iterator[dict[str, Shown]]:
-    """What is shown by each figure that is saved meanwhile into a buffer, by the digest of its PNG."""
-    save, found = Figure.savefig, dict[str, Shown]()
+    """What is shown by each figure that becomes a PNG meanwhile, by the digest of that."""
+    encoded, found = style._encoded, dict[str, Shown]()
 
-    def save_and_record(figure: Figure, buffer: io.BytesIO, **options: Any) -> None:
-        save(figure, buffer, **options)
-        found[hashlib.sha256(buffer.getvalue()).hexdigest()] = shown(figure)
+    def encode_and_record(figure: Figure) -> bytes:
+        content = encoded(figure)
+        found[hashlib.sha256(content).hexdigest()] = shown(figure)
+        return content
 
-    with patch.object(Figure, "savefig", save_and_record):
+    with patch.object(style, "_encoded", encode_and_record):
         yield found
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 
 from flatgrasp_cli.interrupts import INTERRUPTED, Interrupts, say_interrupted
@@ -28,6 +29,7 @@ def main() -> NoReturn:
         say_interrupted()  # whatever a library made of it
     if interrupts.asked:
         code = INTERRUPTED
+    gc.freeze()  # as it ends, Python would look for garbage in all that was imported, a sixth of a short run's time
     sys.exit(code)
 
 

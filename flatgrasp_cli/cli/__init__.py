@@ -87,6 +87,7 @@ def _abandon_stdout() -> None:
 def run() -> int:
     """Run the process's command line; errors become one or two lines on stderr and the exit code that is returned."""
     one_thread_each()
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # looking for some reads every package's metadata
     logging.basicConfig(format="flatgrasp: %(levelname)s: %(message)s", level=logging.WARNING, stream=sys.stderr)
     logging.addLevelName(logging.WARNING, "warning")
     try:

@@ -57,7 +57,9 @@ def image_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 def of_images(intrinsics: str | None, depth_unit: float | None, depth_axes: DepthAxes | None) -> dict[str, Any]:
     """The fields of a `Selection` that say what depth images mean."""
-    from flatgrasp_cli.sources.intrinsics import parse_intrinsics
+    camera = None
+    if intrinsics is not None:
+        from flatgrasp_cli.sources.intrinsics import parse_intrinsics
 
-    camera = None if intrinsics is None else parse_intrinsics(intrinsics)
+        camera = parse_intrinsics(intrinsics)
     return {"intrinsics": camera, "depth_unit_m": depth_unit, "depth_axes": depth_axes}

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import click
 
 from flatgrasp_cli.cli.console import show
+from flatgrasp_cli.cli.imports import import_figures
 from flatgrasp_cli.cli.progress import FrameProgress
 from flatgrasp_cli.errors import FigureError, SourceError, UsageError
 from flatgrasp_cli.whole_files import write_bytes, write_text
@@ -73,6 +74,7 @@ class Pictures:
         """Write what `draw` draws, if it draws anything, as `name`.png."""
         if self._folder is None:
             return
+        import_figures()
         from flatgrasp_cli.results.figures import as_png
 
         path = self._folder / f"{name}.png"
@@ -147,6 +149,7 @@ class Outputs:
         show(Text(headline(plan)), grasp_table(plan, wide=self._wide), *([Text(without)] if without else []))
 
     def _draw(self, plan: Plan, stem: str) -> None:
+        import_figures()
         from flatgrasp_cli.results.figures import arm_figure, final_figure, stage_figures
 
         self.pictures.save(f"{stem}.grasps", partial(final_figure, plan))

@@ -12,6 +12,7 @@ import click
 from flatgrasp_cli.cli.completion import complete_profile
 from flatgrasp_cli.cli.defaults import config_option, option, overrides, tell
 from flatgrasp_cli.cli.image_options import IMAGE_OPTIONS, of_images, positive
+from flatgrasp_cli.cli.imports import importing
 from flatgrasp_cli.errors import UsageError
 
 if TYPE_CHECKING:
@@ -183,7 +184,8 @@ def _job(
     verbose: bool,
     **frames: Any,
 ) -> Job:
-    from flatgrasp_cli.job import Job
+    with importing():
+        from flatgrasp_cli.job import Job
     from flatgrasp_cli.mounting import mounting
     from flatgrasp_cli.profiles import load_gripper, load_settings
     from flatgrasp_cli.sensor.statement import parse_sensor

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable
 from dataclasses import asdict
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from flatgrasp_cli.model import (
     Pose,
     Poses,
     Reach,
+    Rejection,
     Sensor,
     Silhouette,
     SupportPlane,
@@ -30,8 +32,6 @@ from flatgrasp_cli.results.contracts import (
     SCHEMA_ID,
     AabbPart,
     BoxPart,
-    CagePart,
-    ClosurePart,
     Document,
     FingersPart,
     GraspPart,
@@ -53,6 +53,12 @@ from flatgrasp_cli.results.contracts import (
 )
 from flatgrasp_cli.results.remedies import remedy_of
 
+if TYPE_CHECKING:
+    from flatgrasp_cli.model.grasps import Cage, Closure
+    from flatgrasp_cli.profiles.base import Profile
+
+Thing = TypeVar("Thing")
+Made = TypeVar("Made")
 DECIMALS = 9
 """A nanometre, and well below what a double holds of a scene's coordinates."""
 
@@ -85,10 +91,10 @@ def to_document(plan: Plan, read_ms: float = 0.0) -> dict[str, Any]:
         sensor=_sensor(cloud.sensor or Sensor("assumed")),
         warnings=[WarningPart(code=warning.code, text=warning.text) for warning in plan.warnings],
         frame_id=cloud.frame_name,
-        gripper=plan.gripper,
-        robot=plan.robot,
-        settings=plan.settings,
-        support_plane=plan.scene.support and _plane(plan.scene.support),
+        gripper=_values(plan.gripper),
+        robot=_optional(_values, plan.robot),
+        settings=_values(plan.settings),
+        support_plane=_optional(_plane, plan.scene.support),
         objects=[_object(item, plan) for item in plan.objects],
         timing_ms=TimingPart(
             read=round(read_ms, 3),
@@ -97,7 +103,7 @@ def to_document(plan: Plan, read_ms: float = 0.0) -> dict[str, Any]:
             total=round(read_ms + plan.scene_ms + plan.plan_ms, 3),
         ),
     )
-    return document.model_dump(mode="json", by_alias=True)
+    return dict(document)
 
 
 def to_json(document: dict[str, Any], *, indent: int | None = None) -> str:
@@ -129,11 +135,10 @@ def _object(item: ObjectPlan, plan: Plan) -> ObjectPart:
         status="ok" if item.grasps else "no_grasp",
         reason=rejection.reason if rejection else None,
         remedy=remedy_of(plan, item),
-        nearest_miss=rejection
-        and MissPart(stage=rejection.stage, value=_number(rejection.value), limit=_number(rejection.limit)),
-        obb=box and _box(box),
-        aabb=box and AabbPart(min=_numbers(box.aabb[0]), max=_numbers(box.aabb[1])),
-        silhouette=outline and _silhouette(outline, trace.level_m),
+        nearest_miss=_optional(_miss, rejection),
+        obb=_optional(_box, box),
+        aabb=_optional(_aabb, box),
+        silhouette=None if outline is None else _silhouette(outline, trace.level_m),
         gravity_center=_gravity(outline.frame, trace.gravity_center)
         if outline is not None and outline.loops and trace.gravity_center is not None
         else None,
@@ -148,6 +153,14 @@ def _object(item: ObjectPlan, plan: Plan) -> ObjectPart:
 
 def _box(box: OrientedBox) -> BoxPart:
     return BoxPart(center=_numbers(box.frame.origin), axes=_numbers(box.frame.axes), size_m=_numbers(box.size))
+
+
+def _aabb(box: OrientedBox) -> AabbPart:
+    return AabbPart(min=_numbers(box.aabb[0]), max=_numbers(box.aabb[1]))
+
+
+def _miss(rejection: Rejection) -> MissPart:
+    return MissPart(stage=rejection.stage, value=_number(rejection.value), limit=_number(rejection.limit))
 
 
 def _silhouette(outline: Silhouette, level_m: float | None) -> SilhouettePart:
@@ -183,11 +196,11 @@ def _grasp(grasp: Grasp, plan: Plan) -> GraspPart:
         opening_m=_number(grasp.opening_m),
         width_m=_number(grasp.width_m),
         contacts=_numbers(grasp.contacts),
-        fingers=grasp.fingers,
-        metrics=MetricsPart(**{name: _number(getattr(grasp, name)) for name in MetricsPart.model_fields}),
-        force_closure=grasp.closure and ClosurePart(**asdict(grasp.closure)),
-        cage=grasp.cage and CagePart(**asdict(grasp.cage)),
-        reach=grasp.reach and _reach(grasp.reach),
+        fingers=cast(Any, list(grasp.fingers)),
+        metrics=cast(MetricsPart, {name: _number(getattr(grasp, name)) for name in MetricsPart.__annotations__}),
+        force_closure=_optional(_fields, grasp.closure),
+        cage=_optional(_fields, grasp.cage),
+        reach=_optional(_reach, grasp.reach),
     )
 
 
@@ -212,9 +225,24 @@ def _reach(reach: Reach) -> ReachPart:
     )
 
 
+def _optional(part: Callable[[Thing], Made], thing: Thing | None) -> Made | None:
+    """The part that is made of a thing; None without one."""
+    return None if thing is None else part(thing)
+
+
+def _fields(record: Cage | Closure) -> Any:
+    """What a record of numbers holds, by name."""
+    return asdict(record)
+
+
+def _values(profile: Profile) -> Any:
+    """All values of a profile, by key."""
+    return profile.model_dump(mode="json")
+
+
 def _number(value: float | None) -> Any:
     """A rounded number, or None for what JSON cannot hold."""
-    return None if value is None or not math.isfinite(value) else round(value, DECIMALS) + 0.0  # no −0.0
+    return None if value is None or not math.isfinite(value) else float(round(value, DECIMALS) + 0.0)  # no −0.0
 
 
 def _numbers(values: Any) -> Any:

@@ -23,7 +23,6 @@ from flatgrasp_cli.sources.text_lines import shown
 from flatgrasp_cli.sources.tiff import MAGICS as TIFF_MAGICS
 from flatgrasp_cli.sources.tiff import decode_tiff, tiff_size
 
-SUFFIXES = (".png", ".tif", ".tiff", ".npy")
 NPY_MAGIC = b"\x93NUMPY"
 MOST_ASIDE = 0.25
 """Of the image's sides: cameras have their principal point this near to the middle, cut-out images aside."""

@@ -11,7 +11,6 @@ from typing import Literal
 
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.model import Cloud, Source
-from flatgrasp_cli.sources.depth_files import DepthFiles, is_depth_file
 from flatgrasp_cli.sources.pcd_header import is_pcd
 from flatgrasp_cli.sources.pcd_ply import read_pcd, read_ply
 from flatgrasp_cli.sources.ply_header import is_ply
@@ -23,6 +22,8 @@ SNIFFED_BYTES = 65_536
 MESHES: dict[str, Kind] = {".stl": "STL", ".obj": "OBJ", ".off": "OFF", ".glb": "glTF", ".gltf": "glTF"}
 SUFFIXES = (".pcd", ".ply", *MESHES)
 """Of files that hold one cloud or one mesh."""
+IMAGES = (".png", ".tif", ".tiff", ".npy")
+"""Of depth images."""
 ELSE: dict[bytes, str] = {
     b"\xff\xfe": "is text in UTF-16; save it as ASCII or UTF-8",
     b"\xfe\xff": "is text in UTF-16; save it as ASCII or UTF-8",
@@ -47,6 +48,8 @@ def read_file(path: Path, name: str, scale: float = 1.0, selection: Selection = 
 def read_kind(kind: Kind, path: Path, name: str, scale: float, selection: Selection) -> Cloud:
     """Read a file whose kind is known."""
     if kind == "depth image":
+        from flatgrasp_cli.sources.depth_files import DepthFiles
+
         return DepthFiles(selection, scale).read(path, Source(name))
     with path.open("rb") as file:
         if kind == "PCD":
@@ -86,11 +89,14 @@ def kind_of_file(path: Path, name: str) -> Kind:
 
 
 def _by_content(head: bytes, size: int) -> Kind | None:
+    if is_ply(head):
+        return "PLY"
+    if is_pcd(head):
+        return "PCD"
+    from flatgrasp_cli.sources.depth_files import is_depth_file
     from flatgrasp_cli.sources.meshes import is_gltf, is_obj, is_off, is_stl
 
     found: dict[Kind, bool] = {  # in this order: "{" and "v 1" say less than a magic
-        "PLY": is_ply(head),
-        "PCD": is_pcd(head),
         "depth image": is_depth_file(head),
         "STL": is_stl(head, size),
         "glTF": is_gltf(head),

@@ -9,9 +9,7 @@ from typing import Literal
 from flatgrasp_cli.errors import SourceError, UsageError
 from flatgrasp_cli.model import Cloud, Source
 from flatgrasp_cli.sources.containers import is_recording
-from flatgrasp_cli.sources.containers.rosbag2 import METADATA, storage_files
-from flatgrasp_cli.sources.depth_files import SUFFIXES as IMAGES
-from flatgrasp_cli.sources.depth_files import DepthFiles
+from flatgrasp_cli.sources.files import IMAGES
 from flatgrasp_cli.sources.files import SUFFIXES as CLOUDS
 from flatgrasp_cli.sources.selection import Selection
 
@@ -24,6 +22,8 @@ def kind_of_folder(folder: Path, name: str) -> Literal["recording", "images"]:
     SourceError
         If it is neither, or holds things of several kinds.
     """
+    from flatgrasp_cli.sources.containers.rosbag2 import METADATA, storage_files
+
     if (folder / METADATA).is_file() and is_recording(folder):
         return "recording"
     files = _files(folder)
@@ -57,6 +57,8 @@ def folder_images(folder: Path, name: str, scale: float, selection: Selection) -
     SourceError
         If an image is broken or no depth.
     """
+    from flatgrasp_cli.sources.depth_files import DepthFiles
+
     timed = (selection.start, selection.end, selection.at, selection.every.period_ns)
     if any(value is not None for value in timed):
         raise UsageError(f"{name}: images have no time; choose among them with --every N and --count N")

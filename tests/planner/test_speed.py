@@ -1,10 +1,11 @@
 """What was made fast gives what the slow way gives: single steps against their plain versions, grasps against both.
 
-Times are not tested: benchmarks/ measures them.
+Times are not tested, benchmarks/ measures them; but what a plain `plan` leaves unloaded is.
 """
 
 from __future__ import annotations
 
+import io
 import os
 import subprocess
 import sys
@@ -12,9 +13,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 import shapely
+from matplotlib import rc_context
 from scipy.spatial import Delaunay, KDTree
 
 from flatgrasp_cli import Plan, load_gripper, load_settings, plan
@@ -25,6 +28,8 @@ from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Grasp
 from flatgrasp_cli.planner import depth, gravity, pipeline, silhouette
 from flatgrasp_cli.profiles import Gripper
+from flatgrasp_cli.results.figures import as_png, final_figure
+from flatgrasp_cli.results.figures.style import DPI, TEXT
 from tests.conftest import (
     I_BEAM,
     L_SHAPE,
@@ -41,6 +46,8 @@ from tests.conftest import (
 )
 
 COMMAND = [sys.executable, "-m", "flatgrasp_cli", "plan"]
+RECORDINGS = {"mcap", "rosbags", "lz4", "google.protobuf", "flatgrasp_cli.sources.messages"}
+NOT_FOR_A_CLOUD = {"open3d", "scipy", "flatgrasp_cli.sources.meshes", *RECORDINGS}
 ALONE = ("teddy_bear", "electric_drill", "pistol", "spray_bottle", "hammer", "juice_box", "pan")
 SHAPES = {"rectangle": rectangle(120, 40), "L": L_SHAPE, "I-beam": I_BEAM}
 SCENE = Camera(tilt_deg=30, pixels=(400, 300), focal=420.0).sees(
@@ -192,6 +199,47 @@ def test_the_grasp_of_a_noisy_object_is_among_the_slow_ways(name: str) -> None:
     metres, degrees = nearest(*both_ways(planned_sample(name)))
     assert metres < 2 * MM
     assert degrees < 1.5
+
+
+def loaded_by(*arguments: str) -> set[str]:
+    """What a process of the command has imported by its end."""
+    code = "import sys; from flatgrasp_cli.cli import run; run(); sys.stderr.write('\\n' + '\\n'.join(sys.modules))"
+    command = [sys.executable, "-c", code, *arguments]
+    done = subprocess.run(command, capture_output=True, check=True, text=True)
+    return set(done.stderr.splitlines())
+
+
+def test_plan_loads_what_its_source_and_its_outputs_need_and_no_more(tmp_path: Path) -> None:
+    sample = str(SAMPLES / "juice_box.pcd")
+    json_only = loaded_by("plan", sample, "--json")
+    assert {"numpy", "cv2", "flatgrasp_cli.sources.pcd_ply"} <= json_only
+    assert json_only.isdisjoint({"matplotlib", "PIL", "rich", *NOT_FOR_A_CLOUD})
+    with_picture = loaded_by("plan", sample, "--out", str(tmp_path))
+    assert {"matplotlib.figure", "rich.table"} <= with_picture
+    assert with_picture.isdisjoint({"matplotlib.pyplot", *NOT_FOR_A_CLOUD})
+
+
+def test_figures_are_imported_without_docstrings_and_nothing_else_changes() -> None:
+    """Where matplotlib writes them again, the call that keeps it from it is of no use any more."""
+    code = (
+        "import gc, sys; from flatgrasp_cli.cli.imports import import_figures; import_figures(); assert gc.isenabled();"
+        "from matplotlib.lines import Line2D; assert Line2D.set.__doc__ is None; Line2D([], []).set(color='red');"
+        "assert 'flatgrasp_cli.results.figures' in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_a_picture_has_the_pixels_that_savefig_writes(pr2: Gripper) -> None:
+    figure = final_figure(plan(cloud_of(sampled(rectangle(120, 40))), pr2))
+    ours, plain = as_png(lambda: figure), io.BytesIO()
+    assert ours is not None
+    with rc_context(TEXT):
+        figure.savefig(plain, format="png", dpi=DPI)
+    drawn, saved = (cv2.imdecode(np.frombuffer(png, np.uint8), cv2.IMREAD_COLOR) for png in (ours, plain.getvalue()))
+    assert drawn is not None
+    assert saved is not None
+    assert np.array_equal(drawn, saved)
+    assert len(ours) < len(plain.getvalue())
 
 
 def test_the_number_of_threads_changes_no_byte(tmp_path: Path) -> None:

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 import shapely
 from jsonschema import Draft202012Validator
+from pydantic import TypeAdapter
 
 from flatgrasp_cli import load_gripper, plan
 from flatgrasp_cli.geometry.polygon import signed_area
 from flatgrasp_cli.planning import Plan
-from flatgrasp_cli.results.contracts import json_schema
+from flatgrasp_cli.results.contracts import Document, json_schema
 from flatgrasp_cli.results.document import to_document, to_json
 from flatgrasp_cli.results.figures import as_png, final_figure, stage_figures
 from flatgrasp_cli.results.figures.hand import DrawnHand, finger_boxes
@@ -32,6 +33,13 @@ def test_documents_meet_their_schema_and_hold_no_nan(result: Plan) -> None:
     Draft202012Validator.check_schema(schema)
     text = to_json(to_document(result))
     Draft202012Validator(schema).validate(json.loads(text, parse_constant=pytest.fail))
+
+
+@pytest.mark.parametrize("result", [PLATE, TOO_WIDE, NOTHING], ids=["grasps", "none", "no points"])
+def test_documents_have_the_contracts_keys_in_its_order_and_values_of_its_types(result: Plan) -> None:
+    contract, text = TypeAdapter(Document), to_json(to_document(result))
+    read = contract.validate_json(text, strict=True)
+    assert to_json(contract.dump_python(read, mode="json")) == text
 
 
 def test_a_refusal_names_stage_value_and_limit() -> None:

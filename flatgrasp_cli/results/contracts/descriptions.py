@@ -1,4 +1,4 @@
-"""JSON Schemas whose properties are described by the docstrings below the models' fields."""
+"""JSON Schemas whose properties are described by the docstrings below the fields of models and typed dictionaries."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from functools import lru_cache
 from itertools import pairwise
 
 from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
-from pydantic_core.core_schema import ModelSchema
+from pydantic_core.core_schema import ModelSchema, TypedDictSchema
 
 
 class DescribedSchema(GenerateJsonSchema):
@@ -22,13 +22,19 @@ class DescribedSchema(GenerateJsonSchema):
 
     def model_schema(self, schema: ModelSchema) -> JsonSchemaValue:
         """The JSON Schema of one model, each property with the docstring below its field."""
-        described, model = super().model_schema(schema), schema["cls"]
-        texts = _docstrings(model.__module__).get(model.__name__, {})
-        names = {field.alias or name: name for name, field in model.model_fields.items()}
-        for key, value in described.get("properties", {}).items():
-            if names[key] in texts:
-                value["description"] = texts[names[key]]
-        return described
+        return _described(super().model_schema(schema), schema["cls"])
+
+    def typed_dict_schema(self, schema: TypedDictSchema) -> JsonSchemaValue:
+        """That of one typed dictionary, which has no other keys."""
+        return _described(super().typed_dict_schema(schema), schema["cls"]) | {"additionalProperties": False}
+
+
+def _described(schema: JsonSchemaValue, of: type) -> JsonSchemaValue:
+    texts = _docstrings(of.__module__).get(of.__name__, {})
+    for key, value in schema.get("properties", {}).items():
+        if key in texts:
+            value["description"] = texts[key]
+    return schema
 
 
 @lru_cache

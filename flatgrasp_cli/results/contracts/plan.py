@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from pydantic import Field
-
 from flatgrasp_cli.model import KnownFrom
 from flatgrasp_cli.profiles import Gripper, PlannerSettings, Robot
 from flatgrasp_cli.results.contracts.base import Number, Part, Status, Vector3
@@ -80,7 +78,7 @@ class TimingPart(Part):
 class Document(Part):
     """The answer for one frame."""
 
-    id: Literal["flatgrasp.plan/1"] = Field(alias="schema")
+    schema: Literal["flatgrasp.plan/1"]
     """Which contract this is."""
     status: Status
     """Whether there is a grasp."""
@@ -112,7 +110,9 @@ class Document(Part):
 
 def json_schema() -> dict[str, Any]:
     """The JSON Schema (draft 2020-12) of a document."""
+    from pydantic import TypeAdapter
+
     from flatgrasp_cli.results.contracts.descriptions import DescribedSchema
 
-    schema = Document.model_json_schema(by_alias=True, mode="serialization", schema_generator=DescribedSchema)
+    schema = TypeAdapter(Document).json_schema(mode="serialization", schema_generator=DescribedSchema)
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": SCHEMA_ID, **schema}

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import io
 import warnings
 from collections.abc import Callable
 from typing import Any, TypeVar
 
+import cv2
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
@@ -29,8 +29,12 @@ ORANGE, SKY, GREEN, BLUE, RED, PURPLE = "#E69F00", "#56B4E9", "#009E73", "#0072B
 
 MM = 1e3
 DPI = 120
+PNG = (cv2.IMWRITE_PNG_COMPRESSION, 3, cv2.IMWRITE_PNG_FILTER, cv2.IMWRITE_PNG_FILTER_NONE)
+"""Drawings have few colours and large areas: filters, made for photographs, take time and make them larger."""
 CORNER_IN, TITLE_IN = (0.2, 0.12), 0.42
 """Where titles begin, and the room above the drawings that is theirs."""
+TEXT: Any = {"text.parse_math": False, "text.hinting": "no_hinting"}
+"""Names are no formulae; letters are even without hints, whose programs would take a third of the time to draw."""
 MAX_POINTS = 6000
 """Points drawn of a cloud: more only darken the picture."""
 
@@ -60,17 +64,22 @@ def as_png(draw: Callable[[], Figure | None]) -> bytes | None:
     FigureError
         If that fails: a cloud may have a shape that no axes hold.
     """
-    content = io.BytesIO()
     try:
-        with rc_context({"text.parse_math": False}), warnings.catch_warnings():
+        with rc_context(TEXT), warnings.catch_warnings():
             warnings.filterwarnings("ignore", "Glyph .* missing from", UserWarning)  # names in any script
             figure = draw()
-            if figure is None:
-                return None
-            figure.savefig(content, format="png", dpi=DPI)
+            return None if figure is None else _encoded(figure)
     except Exception as error:
         raise FigureError(f"the picture cannot be drawn: {type(error).__name__}: {error}") from error
-    return content.getvalue()
+
+
+def _encoded(figure: Figure) -> bytes:
+    """A figure's pixels as PNG: OpenCV takes a fifth of the time of `savefig`, for a smaller file."""
+    canvas: Any = figure.canvas
+    canvas.draw()
+    pixels = cv2.cvtColor(np.asarray(canvas.buffer_rgba()), cv2.COLOR_RGBA2BGR)
+    _, content = cv2.imencode(".png", pixels, PNG)
+    return content.tobytes()
 
 
 def thinned(points: NDArray[Scalar]) -> NDArray[Scalar]:
