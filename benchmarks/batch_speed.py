@@ -31,7 +31,7 @@ from flatgrasp_cli.batch.inputs import find_inputs
 from flatgrasp_cli.batch.run import Progress, run
 from flatgrasp_cli.batch.store import Store
 from flatgrasp_cli.job import Job
-from flatgrasp_cli.mounting import mounting
+from flatgrasp_cli.placing import Workcell
 from flatgrasp_cli.results.document import to_document, to_json
 
 SAMPLE = Path(__file__).resolve().parent.parent / "sample_data" / "pan_ros2"
@@ -76,7 +76,7 @@ def main() -> None:
     parser.add_argument("--repeat", type=int, default=3)
     parser.add_argument("--cluster", action="store_true", help="measure a local Dask cluster, too")
     options = parser.parse_args()
-    job = replace(Job(load_gripper("pr2"), load_settings(), mounting(None, None, None)), top=1)
+    job = replace(Job(load_gripper("pr2"), load_settings(), Workcell()), top=1)
     ways: dict[str, Callable[[Job, Path], float]] = {
         "1 worker": partial(in_batch, Workers(1)),
         "2 workers": partial(in_batch, Workers(2)),

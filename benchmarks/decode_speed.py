@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from clocks import milliseconds
 
-from flatgrasp_cli.sources.messages.pointcloud2 import decode_pointcloud2
+from flatgrasp_cli.recordings.messages.pointcloud2 import decode_pointcloud2
 
 HEIGHT, WIDTH, STEP, NAN_SHARE = 480, 640, 32, 0.24
 FLOAT32 = 7

@@ -12,17 +12,25 @@ TYPE_CHECKING = False  # typing itself takes as long to load as Python does: Ctr
 if TYPE_CHECKING:
     from typing import Any
 
-    from flatgrasp_cli.model import Cloud, Sensor
-    from flatgrasp_cli.planning import Plan, in_base_frame, plan
+    from flatgrasp_cli.model import Cloud, Grasp, ObjectPlan, Pose, Rejection, Scene, Sensor, Source
+    from flatgrasp_cli.placing import in_base_frame
+    from flatgrasp_cli.planning import Plan, plan
     from flatgrasp_cli.profiles import load_camera_pose, load_gripper, load_robot, load_settings
     from flatgrasp_cli.results.document import to_document
-    from flatgrasp_cli.sources import read_clouds
+    from flatgrasp_cli.sources import Selection, read_clouds
 
 __version__ = "0.1.0"
 __all__ = [
     "Cloud",
+    "Grasp",
+    "ObjectPlan",
     "Plan",
+    "Pose",
+    "Rejection",
+    "Scene",
+    "Selection",
     "Sensor",
+    "Source",
     "in_base_frame",
     "load_camera_pose",
     "load_gripper",
@@ -35,14 +43,21 @@ __all__ = [
 
 _HOMES = {
     "Cloud": "flatgrasp_cli.model",
+    "Grasp": "flatgrasp_cli.model",
+    "ObjectPlan": "flatgrasp_cli.model",
+    "Pose": "flatgrasp_cli.model",
+    "Rejection": "flatgrasp_cli.model",
+    "Scene": "flatgrasp_cli.model",
     "Sensor": "flatgrasp_cli.model",
+    "Source": "flatgrasp_cli.model",
     "Plan": "flatgrasp_cli.planning",
-    "in_base_frame": "flatgrasp_cli.planning",
-    "plan": "flatgrasp_cli.planning",
+    "Selection": "flatgrasp_cli.sources",
+    "in_base_frame": "flatgrasp_cli.placing",
     "load_camera_pose": "flatgrasp_cli.profiles",
     "load_gripper": "flatgrasp_cli.profiles",
     "load_robot": "flatgrasp_cli.profiles",
     "load_settings": "flatgrasp_cli.profiles",
+    "plan": "flatgrasp_cli.planning",
     "read_clouds": "flatgrasp_cli.sources",
     "to_document": "flatgrasp_cli.results.document",
 }

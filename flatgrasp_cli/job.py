@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from flatgrasp_cli.model import Cloud, Sensor
-from flatgrasp_cli.mounting import Mounting
+from flatgrasp_cli.placing import Workcell
 from flatgrasp_cli.planning import Plan, plan
 from flatgrasp_cli.profiles import Gripper, PlannerSettings
 from flatgrasp_cli.sources import EVERYTHING, Selection, read_clouds
@@ -22,7 +22,7 @@ class Job:
 
     gripper: Gripper
     settings: PlannerSettings
-    mounting: Mounting
+    workcell: Workcell
     selection: Selection = EVERYTHING
     sensor: Sensor | None = None
     scale: float = 1.0
@@ -30,18 +30,18 @@ class Job:
 
     def clouds(self, source: str, *, colors: bool = False) -> Iterator[tuple[Cloud, float]]:
         """The wanted clouds of a source in the base frame, each with the milliseconds that reading it took."""
-        selection = replace(self.selection, base_frame=self.mounting.looked_up, colors=colors)
+        cell = self.workcell
+        selection = replace(self.selection, base_frame=cell.base_frame, camera_pose=cell.camera, colors=colors)
         clouds = read_clouds(source, self.scale, selection)
         while True:
             began = time.perf_counter()
             cloud = next(clouds, None)
             if cloud is None:
                 return
-            placed = self.mounting.placed(cloud)
             if self.sensor is not None:
-                placed = replace(placed, sensor=self.sensor)
-            yield placed, 1e3 * (time.perf_counter() - began)
+                cloud = replace(cloud, sensor=self.sensor)
+            yield cloud, 1e3 * (time.perf_counter() - began)
 
     def plan(self, cloud: Cloud) -> Plan:
         """Plan grasps on one of them."""
-        return plan(cloud, self.gripper, self.settings, top=self.top, robot=self.mounting.robot)
+        return plan(cloud, self.gripper, self.settings, top=self.top, robot=self.workcell.robot)

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion
+from flatgrasp_cli.geometry.frames import axes_from_quaternion
 from flatgrasp_cli.model import Cloud, CloudWarning, Grasp, ObjectPlan, Reach, Rejection, Scene, Stage, SupportPlane
 from flatgrasp_cli.planner import plan_object
-from flatgrasp_cli.profiles import CameraPose, Gripper, PlannerSettings, Robot, load_settings
+from flatgrasp_cli.profiles import Gripper, PlannerSettings, Robot, load_settings
 from flatgrasp_cli.robot import Motion, Plane, carried_out, flange_at, reach
 from flatgrasp_cli.scene import segment, without_far_strays, without_repeats
 from flatgrasp_cli.sensor import located
@@ -98,14 +98,6 @@ def plan(
     objects = tuple(sorted(plans, key=_best_first))
     scene_ms, plan_ms = 1e3 * (segmented - began), 1e3 * (time.perf_counter() - segmented)
     return Plan(cloud, gripper, robot, resolved, scene, objects, scene_ms, plan_ms)
-
-
-def in_base_frame(cloud: Cloud, camera: CameraPose, frame_id: str) -> Cloud:
-    """The cloud in the frame `frame_id` in which its own frame has the pose `camera`."""
-    frame = Frame(np.array(camera.position_m), axes_from_quaternion(np.array(camera.orientation_xyzw)))
-    if cloud.sensor is None and cloud.viewpoint is None:
-        cloud = replace(cloud, viewpoint=np.zeros(3))  # the frame with that pose is the camera's
-    return cloud.in_frame(frame, frame_id)
 
 
 def _table_tilted(support: SupportPlane | None) -> tuple[CloudWarning, ...]:

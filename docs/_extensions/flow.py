@@ -18,18 +18,23 @@ ASKING = (
     Room("cli", ("options, files, tables", "the only one that prints")),
     Room("batch", ("many sources, all cores,", "resumable")),
     Room("job", ("what to do with", "every cloud")),
-    Room("mounting", ("arm and camera,", "from options")),
     Room("comparison", ("with the paper's", "reference [1]")),
 )
+READING = (
+    Room("recordings", ("containers and messages;", "knows nothing of grasping")),
+    Room("sources", ("files, frames of recordings,", "transforms")),
+    Room("placing", ("each cloud in the frame", "that was asked for")),
+)
+PLACED = ("points", "Cloud")
+"""What goes from each reading room to the next."""
 WORKING = (
-    Room("sources", ("files, recordings,", "transforms")),
     Room("sensor", ("where the", "sensor was")),
     Room("scene", ("support plane,", "objects on it")),
     Room("planner", ("the paper's", "section III; proofs")),
     Room("robot", ("poses, joints,", "reach")),
     Room("results", ("JSON, tables,", "pictures")),
 )
-PASSED = ("Cloud", "+ Sensor", "Objects", "Grasps", "Plan")
+PASSED = ("Sensor", "Objects", "Grasps", "Plan")
 """What goes from each working room to the next."""
 UNDERLYING = (
     Room("profiles", ("grippers, robots, settings:", "YAML, checked")),
@@ -38,9 +43,9 @@ UNDERLYING = (
     Room("errors", ("what can go wrong,", "with its exit code")),
 )
 COMPOSING = Room("planning", ("plan(cloud, gripper, settings) → Plan: composes sensor, scene, planner and robot",))
-ROOMS = (*ASKING, COMPOSING, *WORKING, *UNDERLYING)
+ROOMS = (*ASKING, *READING, COMPOSING, *WORKING, *UNDERLYING)
 
-WIDTH, HEIGHT, MARGIN, GAP = 1000, 440, 10, 66
+WIDTH, HEIGHT, MARGIN, GAP = 1000, 520, 10, 66
 INK, LINE, PAPER = "#1b1f24", "#57606a", "#ffffff"
 ASK, COMPOSE, WORK, UNDERLIE = "#ddeeff", "#fff3cd", "#e2f2df", "#eceef1"
 
@@ -48,13 +53,15 @@ ASK, COMPOSE, WORK, UNDERLIE = "#ddeeff", "#fff3cd", "#e2f2df", "#eceef1"
 def svg() -> str:
     """The picture as SVG."""
     parts = [
-        *_row(ASKING, 34, ASK, GAP / 3),
         _text(MARGIN, 22, "Who asks", "start"),
-        *_box(COMPOSING, (MARGIN, 148, WIDTH - 2 * MARGIN, 52), COMPOSE),
-        *_row(WORKING, 226, WORK, GAP),
-        *_arrows(226 + 42),
-        _text(MARGIN, 338, "What everything stands on: imports go down, never up", "start"),
-        *_row(UNDERLYING, 350, UNDERLIE, GAP / 3),
+        *_row(ASKING, 34, ASK, GAP / 3),
+        *_row(READING, 136, WORK, GAP),
+        *_arrows(PLACED, 136 + 42),
+        *_box(COMPOSING, (MARGIN, 232, WIDTH - 2 * MARGIN, 52), COMPOSE),
+        *_row(WORKING, 306, WORK, GAP),
+        *_arrows(PASSED, 306 + 42),
+        _text(MARGIN, 418, "What everything stands on: imports go down, never up", "start"),
+        *_row(UNDERLYING, 430, UNDERLIE, GAP / 3),
     ]
     head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" font-family="sans-serif">'
     arrow = (
@@ -87,10 +94,10 @@ def _box(room: Room, place: tuple[float, float, float, float], color: str) -> It
         yield _text(middle, top + 42 + 17 * k, line, "middle", 'font-size="12.5"')
 
 
-def _arrows(height: float) -> Iterator[str]:
-    """An arrow from each working room to the next, with what it passes on."""
-    width = _width(len(WORKING), GAP)
-    for k, word in enumerate(PASSED, start=1):
+def _arrows(words: tuple[str, ...], height: float) -> Iterator[str]:
+    """An arrow from each room of a row to the next, with what it passes on."""
+    width = _width(len(words) + 1, GAP)
+    for k, word in enumerate(words, start=1):
         right = MARGIN + k * (width + GAP) - 2
         left = right - GAP + 4
         yield (

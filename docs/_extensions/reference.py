@@ -21,6 +21,7 @@ import flatgrasp_cli
 from flatgrasp_cli import model
 from flatgrasp_cli.cli import cli
 from flatgrasp_cli.model import Trace
+from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.profiles import Gripper, PlannerSettings, Robot, load_settings
 from flatgrasp_cli.results.contracts.descriptions import DescribedSchema
 
@@ -138,9 +139,8 @@ def api() -> str:
     public = {name: getattr(flatgrasp_cli, name) for name in flatgrasp_cli.__all__}
     classes = [name for name, thing in public.items() if isinstance(thing, type)]
     functions = [name for name in public if name not in classes]
-    known = {Trace, *(public[name] for name in classes)}  # a trace is for study, and no part of the interface
-    walked = [record.__name__ for name in classes for record in _records(public[name], known)]
-    records = [name for name in walked if name in model.__all__]
+    walked = [record.__name__ for record in _records(Plan, {Trace})]  # a trace is for study, and not of the interface
+    records = [name for name in walked if name in model.__all__ and name not in public]
     return "\n\n".join(
         [
             "## Functions",

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from flatgrasp_cli.errors import SourceError
-from flatgrasp_cli.sources.containers import is_recording
+from flatgrasp_cli.recordings.containers import is_recording
 from flatgrasp_cli.sources.files import SUFFIXES as CLOUDS
 from flatgrasp_cli.sources.remote import is_url, list_url, url_state
 

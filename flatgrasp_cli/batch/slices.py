@@ -7,7 +7,7 @@ from pathlib import Path
 
 from flatgrasp_cli.batch.inputs import Input
 from flatgrasp_cli.errors import SourceError
-from flatgrasp_cli.sources.containers import is_recording, open_recording
+from flatgrasp_cli.recordings.containers import is_recording, open_recording
 from flatgrasp_cli.sources.remote import is_url
 from flatgrasp_cli.sources.selection import Every, Moment, Selection
 from flatgrasp_cli.sources.topics import choose_topic

@@ -23,9 +23,9 @@ from flatgrasp_cli.batch.inputs import Input
 from flatgrasp_cli.batch.work import Done
 from flatgrasp_cli.errors import UsageError
 from flatgrasp_cli.job import Job
+from flatgrasp_cli.results.contracts.batch import SCHEMA_ID
 from flatgrasp_cli.whole_files import write_bytes, write_text
 
-SCHEMA = "flatgrasp.batch/1"
 STATE = ".flatgrasp"
 
 
@@ -193,13 +193,13 @@ def _sources(inputs: Iterable[Input]) -> Iterator[str]:
 
 def _manifest(job: Job, plots: bool) -> dict[str, Any]:
     return {
-        "schema": SCHEMA,
+        "schema": SCHEMA_ID,
         "version": __version__,
         "gripper": job.gripper.model_dump(mode="json"),
         "settings": job.settings.model_dump(mode="json"),
-        "robot": job.mounting.robot and job.mounting.robot.model_dump(mode="json"),
-        "camera": job.mounting.camera and job.mounting.camera.model_dump(mode="json"),
-        "base_frame": job.mounting.base_frame,
+        "robot": job.workcell.robot and job.workcell.robot.model_dump(mode="json"),
+        "camera": job.workcell.camera and job.workcell.camera.model_dump(mode="json"),
+        "base_frame": job.workcell.base_frame,
         "selection": repr(job.selection),
         "sensor": job.sensor and repr(job.sensor),
         "scale": job.scale,

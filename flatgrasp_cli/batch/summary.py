@@ -10,7 +10,8 @@ from statistics import median
 from typing import Any
 
 from flatgrasp_cli.batch.inputs import Input
-from flatgrasp_cli.batch.store import SCHEMA, Store
+from flatgrasp_cli.batch.store import Store
+from flatgrasp_cli.results.contracts.batch import SCHEMA_ID, BatchDocument, InputPart
 
 STRIP = 12
 """Frames of an input that a report shows."""
@@ -38,20 +39,20 @@ class InputSummary:
     stages: Counter[str] = field(default_factory=Counter)
     shown: list[tuple[int, dict[str, Any]]] = field(default_factory=list)
 
-    def values(self) -> dict[str, Any]:
+    def part(self) -> InputPart:
         """For JSON: all but the records."""
-        return {
-            "source": self.source,
-            "results": f"{self.name}.jsonl" if self.frames else None,
-            "frames": self.frames,
-            "grasped": self.grasped,
-            "no_grasp_by_stage": dict(self.stages.most_common()),
-            "median_total_ms": self.total_ms,
-            "median_ms": self.median_ms,
-            "first_frames_ms": self.first_ms,
-            "error": self.error,
-            "warnings": self.warnings,
-        }
+        return InputPart(
+            source=self.source,
+            results=f"{self.name}.jsonl" if self.frames else None,
+            frames=self.frames,
+            grasped=self.grasped,
+            no_grasp_by_stage=dict(self.stages.most_common()),
+            median_total_ms=self.total_ms,
+            median_ms=self.median_ms,
+            first_frames_ms=self.first_ms,
+            error=self.error,
+            warnings=self.warnings,
+        )
 
 
 def summarize(store: Store, inputs: Iterable[Input]) -> list[InputSummary]:
@@ -65,15 +66,16 @@ def batch_values(inputs: list[InputSummary]) -> dict[str, Any]:
     stages: Counter[str] = Counter()
     for one in inputs:
         stages.update(one.stages)
-    return {
-        "schema": SCHEMA,
-        "inputs": len(inputs),
-        "failed": sum(one.error is not None for one in inputs),
-        "frames": sum(one.frames for one in inputs),
-        "grasped": sum(one.grasped for one in inputs),
-        "no_grasp_by_stage": dict(stages.most_common()),
-        "by_input": [one.values() for one in inputs],
-    }
+    document = BatchDocument(
+        schema=SCHEMA_ID,
+        inputs=len(inputs),
+        failed=sum(one.error is not None for one in inputs),
+        frames=sum(one.frames for one in inputs),
+        grasped=sum(one.grasped for one in inputs),
+        no_grasp_by_stage=dict(stages.most_common()),
+        by_input=[one.part() for one in inputs],
+    )
+    return dict(document)
 
 
 def _of_input(store: Store, item: Input) -> InputSummary:

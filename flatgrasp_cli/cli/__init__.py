@@ -28,7 +28,7 @@ COMMANDS = {
     "inspect": "Show what clouds and recordings hold.",
     "plan": "Plan grasps on point clouds.",
     "profiles": "List, show and check gripper, robot and planner profiles.",
-    "schema": "Print the JSON Schema of the documents that plan writes.",
+    "schema": "Print the JSON Schema of each kind of document that flatgrasp writes.",
 }
 STDOUT = 1
 

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from flatgrasp_cli.job import Job
     from flatgrasp_cli.planning import Plan
 
-SCHEMA = "flatgrasp.compare/1"
-
 
 @click.command("compare", context_settings=context_of("compare"))
 @click.argument("sources", metavar="CLOUD…", nargs=-1, required=True)
@@ -63,18 +61,20 @@ def command(sources: tuple[str, ...], job: Job, out: Path | None, as_json: bool)
 
 def _row(source: str, pair: Comparison) -> dict[str, Any]:
     from flatgrasp_cli.planner.certification import is_caged
+    from flatgrasp_cli.results.contracts.compare import SCHEMA_ID, CompareDocument, OursPart, PointFingersPart
 
     best = pair.ours.grasps[0] if pair.ours.grasps else None
-    return {
-        "schema": SCHEMA,
-        "source": source,
-        "object": pair.ours.object.id,
-        "ours": best and {"width_m": best.width_m, "caged": is_caged(best)},
-        "point_fingers": [
-            {"width_m": grasp.width_m, "executable": verdict is None, "reason": verdict}
+    document = CompareDocument(
+        schema=SCHEMA_ID,
+        source=source,
+        object=pair.ours.object.id,
+        ours=None if best is None else OursPart(width_m=best.width_m, caged=is_caged(best)),
+        point_fingers=[
+            PointFingersPart(width_m=grasp.width_m, executable=verdict is None, reason=verdict)
             for grasp, verdict in zip(pair.theirs, pair.verdicts, strict=True)
         ],
-    }
+    )
+    return dict(document)
 
 
 def _print(rows: list[dict[str, Any]]) -> None:

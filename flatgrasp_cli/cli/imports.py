@@ -25,13 +25,6 @@ def importing() -> Iterator[None]:
 
 
 def import_figures() -> None:
-    """Import matplotlib, and what draws with it, in 60 % of the time.
-
-    As it is imported, matplotlib writes a docstring and a signature for the method `set` of each kind of artist, which
-    a process that only draws never shows. Should it name its method for that otherwise one day, it writes them again.
-    """
+    """Import matplotlib, and what draws with it."""
     with importing():
-        from matplotlib.artist import Artist
-
-        Artist._update_set_signature_and_docstring = classmethod(lambda _cls: None)  # type: ignore[attr-defined]
         import_module("flatgrasp_cli.results.figures")

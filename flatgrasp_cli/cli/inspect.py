@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
     from flatgrasp_cli.sources.summary import CloudSummary, Summary, TopicSummary
 
-SCHEMA = "flatgrasp.inspect/1"
 KNOWN_FROM = {
     "option": "stated",
     "projection": "the centre of projection of the organised cloud",
@@ -51,11 +50,17 @@ def command(sources: tuple[str, ...], as_json: bool, **images: Any) -> int:
         with reading.each():
             summary = summarize(source, selection)
             if as_json:
-                values = {"schema": SCHEMA, **asdict(summary), "duration_s": summary.duration_s}
-                click.echo(json.dumps(values, allow_nan=False))
+                click.echo(json.dumps(_document(summary), allow_nan=False))
             else:
                 _print(summary)
     return reading.code
+
+
+def _document(summary: Summary) -> dict[str, Any]:
+    from flatgrasp_cli.results.contracts import schema_id
+
+    # not made as its contract's type, which takes as long to load as the rest of this command
+    return {"schema": schema_id("inspect"), **asdict(summary), "duration_s": summary.duration_s}
 
 
 def _print(summary: Summary) -> None:
@@ -125,6 +130,6 @@ def _where(sensor: dict[str, Any]) -> str:
 def _plain(text: str) -> str:
     from rich.markup import escape
 
-    from flatgrasp_cli.sources.containers import printable
+    from flatgrasp_cli.recordings.containers import printable
 
     return escape(printable(text))

@@ -186,9 +186,8 @@ def _job(
 ) -> Job:
     with importing():
         from flatgrasp_cli.job import Job
-    from flatgrasp_cli.mounting import mounting
+    from flatgrasp_cli.cli.place_options import parse_sensor, parse_workcell
     from flatgrasp_cli.profiles import load_gripper, load_settings
-    from flatgrasp_cli.sensor.statement import parse_sensor
 
     asked = {
         "scene": f"scene.mode={scene}" if scene else None,
@@ -207,7 +206,7 @@ def _job(
     return Job(
         gripper=load_gripper(gripper),
         settings=load_settings(method, tuple(each.text for each in settings)),
-        mounting=mounting(robot, camera_pose, base_frame),
+        workcell=parse_workcell(robot, camera_pose, base_frame),
         selection=replace(_selection(**frames), sensor_frame=stated if isinstance(stated, str) else None),
         sensor=None if isinstance(stated, str) else stated,
         scale=scale,

@@ -10,19 +10,16 @@ from flatgrasp_cli.model.clouds import (
     UP_UNTOLD,
     Cloud,
     CloudWarning,
-    Floor,
     ImageGrid,
     KnownFrom,
-    ObjectCloud,
-    Scene,
     Sensor,
     Source,
-    SupportPlane,
 )
 from flatgrasp_cli.model.grasps import Cage, Closure, Grasp, Reach, Tolerance
 from flatgrasp_cli.model.outlines import GravityCenter, OrientedBox, Silhouette, StepPoints
 from flatgrasp_cli.model.plans import ObjectPlan, Rejection, Stage, Trace
 from flatgrasp_cli.model.poses import Pose, Poses, Way
+from flatgrasp_cli.model.scenes import Floor, ObjectCloud, Scene, SupportPlane
 
 __all__ = [
     "SENSOR_FROM_TF",

@@ -1,4 +1,4 @@
-"""What was recorded, and what it shows: a cloud, and its scene."""
+"""What was recorded: a cloud, where it comes from, and where its sensor was."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.frames import Frame
-from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 
 LARGEST_COORDINATE_M = 1e4
 """What lies farther from the origin than 10 km was not measured by anything that looks at objects."""
@@ -36,7 +35,7 @@ KnownFrom = Literal[
 ]
 """How it is known where the sensor was.
 
-- `option`: somebody said so, by `--sensor` or in Python.
+- `option`: somebody said so.
 - `projection`: the centre of projection of an organised cloud.
 - `viewpoint`, `inverse_viewpoint`: the pose in the file's header, or its inverse; the cloud can be seen from there.
 - `frame`: the cloud's own frame is the sensor's, by its name or because it is a depth image's.
@@ -229,69 +228,3 @@ def _not_measured(points: FloatArray) -> IntArray:
         return zero
     near = np.abs(points) <= LARGEST_COORDINATE_M  # false for NaN, too
     return np.union1d(zero, np.flatnonzero(~near.all(axis=1)))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class SupportPlane:
-    """The plane that objects stand on: `normal` · p = `offset_m`, the unit normal (3,) on the sensor's side.
-
-    `noise_m` is the standard deviation of the plane's own points about it.
-    """
-
-    normal: FloatArray
-    offset_m: float
-    noise_m: float
-
-    def heights(self, points: FloatArray) -> FloatArray:
-        """Heights (n,) of `points` (n, 3) above the plane."""
-        return np.asarray(points @ self.normal - self.offset_m)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Floor:
-    """What was seen of a support plane with nothing on it: cells of its own `frame`, whose z axis is the normal.
-
-    `levels` holds the height over the plane around each such cell, −inf in all others. Cells serve all objects alike
-    and are far fewer than the plane's points, which lie `spacing_m` apart.
-    """
-
-    frame: Frame
-    levels: HeightMap
-    spacing_m: float
-
-    @property
-    def points(self) -> FloatArray:
-        """The middles (k, 3) of the cells, in the world."""
-        return self.frame.to_world(self.levels.higher_than(UNSEEN))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class ObjectCloud:
-    """The points (n, 3) of one object; the hand comes from the side that `toward` (3,), of any length, points to.
-
-    They were seen from `viewpoint` (3,), or, if that is None, from all sides. `support` is the plane it stands on, None
-    when it was seen alone, and `floor` what was seen of that. Near it lie other points above the plane, `obstacles`
-    (m, 3), for fingers and palm to keep clear of.
-    """
-
-    id: int
-    points: FloatArray
-    toward: FloatArray
-    viewpoint: FloatArray | None
-    support: SupportPlane | None = None
-    obstacles: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
-    floor: Floor | None = None
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Scene:
-    """What a cloud shows: objects, and the plane that they stand on (None: one object, seen alone).
-
-    `clutter` (k, 3) are points above the plane that belong to no object; `reason` says why there is no object.
-    """
-
-    support: SupportPlane | None
-    objects: tuple[ObjectCloud, ...]
-    clutter: FloatArray
-    reason: str | None = None
-    warnings: tuple[CloudWarning, ...] = ()

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.model.candidates import FingerCandidates
-from flatgrasp_cli.model.clouds import ObjectCloud
 from flatgrasp_cli.model.grasps import Grasp
 from flatgrasp_cli.model.outlines import GravityCenter, OrientedBox, Silhouette, StepPoints
+from flatgrasp_cli.model.scenes import ObjectCloud
 
 
 @dataclass(frozen=True, slots=True)

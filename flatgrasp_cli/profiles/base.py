@@ -26,3 +26,7 @@ FarPlace = Annotated[float, Field(ge=-1e4, le=1e4)]
 """Metres; no farther than points are believed to have been measured."""
 Turn = Annotated[float, Field(ge=-720, le=720)]
 """Degrees, two turns to either side at most."""
+Angle = Annotated[float, Field(ge=0.01, le=180)]
+"""Degrees, half a turn at most, and more than nothing."""
+Share = Annotated[float, Field(ge=1e-4, lt=1)]
+"""Of a whole, and less than all of it."""

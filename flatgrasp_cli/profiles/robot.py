@@ -130,7 +130,7 @@ class Robot(Profile):
     payload_kg: Annotated[float, Field(ge=1e-3, le=1e4)]
     """What it lifts by its data sheet, kilograms."""
     camera_pose: CameraPose | None = None
-    """Where the camera stands in `base_frame`, for all clouds without `--camera-pose`; None: not known."""
+    """Where the camera stands in `base_frame`, unless a pose is given with the clouds; None: not known."""
 
     @model_validator(mode="after")
     def _stands_within_limits(self) -> Self:

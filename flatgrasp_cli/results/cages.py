@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict
-from typing import Any
+from typing import Any, cast
 
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.planner.allen import cage_of
 from flatgrasp_cli.planner.caging import Immobilisation
 from flatgrasp_cli.profiles.settings import CagingSettings
+from flatgrasp_cli.results.contracts.cage import SCHEMA_ID, CageDocument, PointGraspPart
+from flatgrasp_cli.results.contracts.grasps import CagePart
 
-SCHEMA_ID = "flatgrasp.cage/1"
 NO_HOLD = "no two points of the outline hold it, as on any convex one"
 NO_OUTLINE = "the points are too scattered for an outline"
 
@@ -27,20 +28,21 @@ def cage_document(
 
     `thing` is the object's number in its cloud, None for a polygon. Lengths are in the outline's own unit.
     """
-    return {
-        "schema": SCHEMA_ID,
-        "source": source,
-        "object": thing,
-        "closing": settings.closing,
-        "loops": [loop.tolist() for loop in loops],
-        "reason": None if found else NO_HOLD if loops else NO_OUTLINE,
-        "grasps": [
-            {
-                "rank": k + 1,
-                "contacts": one.contacts.tolist(),
-                "width_m": one.width_m,
-                "cage": asdict(cage_of(one, settings.closing)),
-            }
+    document = CageDocument(
+        schema=SCHEMA_ID,
+        source=source,
+        object=thing,
+        closing=settings.closing,
+        loops=[loop.tolist() for loop in loops],
+        reason=None if found else NO_HOLD if loops else NO_OUTLINE,
+        grasps=[
+            PointGraspPart(
+                rank=k + 1,
+                contacts=one.contacts.tolist(),
+                width_m=one.width_m,
+                cage=cast(CagePart, asdict(cage_of(one, settings.closing))),
+            )
             for k, one in enumerate(found)
         ],
-    }
+    )
+    return dict(document)

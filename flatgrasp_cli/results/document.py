@@ -28,25 +28,29 @@ from flatgrasp_cli.model import (
     SupportPlane,
 )
 from flatgrasp_cli.planning import Plan
-from flatgrasp_cli.results.contracts import (
-    SCHEMA_ID,
-    AabbPart,
-    BoxPart,
-    Document,
-    FingersPart,
+from flatgrasp_cli.results.contracts.grasps import (
     GraspPart,
-    GravityPart,
     JointsPart,
     MetricsPart,
-    MissPart,
-    ObjectPart,
     PosePart,
     PosesPart,
     ReachPart,
-    SensorPart,
+)
+from flatgrasp_cli.results.contracts.objects import (
+    AabbPart,
+    BoxPart,
+    FingersPart,
+    GravityPart,
+    MissPart,
+    ObjectPart,
     SilhouettePart,
-    SourcePart,
     StagePart,
+)
+from flatgrasp_cli.results.contracts.plan import (
+    SCHEMA_ID,
+    Document,
+    SensorPart,
+    SourcePart,
     SupportPlanePart,
     TimingPart,
     WarningPart,

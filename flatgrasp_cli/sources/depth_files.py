@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from flatgrasp_cli.errors import SourceError, UsageError
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
 from flatgrasp_cli.model import Cloud, CloudWarning, ImageGrid, Sensor, Source
+from flatgrasp_cli.recordings.messages import MessageError
+from flatgrasp_cli.recordings.messages.depth_image import MILLIMETRE, DepthImage
+from flatgrasp_cli.recordings.messages.png import PNG_MAGIC, decode_png, png_size
 from flatgrasp_cli.sources.depth_axes import in_body_axes
-from flatgrasp_cli.sources.messages import MessageError
-from flatgrasp_cli.sources.messages.depth_image import MILLIMETRE, DepthImage
-from flatgrasp_cli.sources.messages.depth_unit import unit_warning
-from flatgrasp_cli.sources.messages.png import PNG_MAGIC, decode_png, png_size
+from flatgrasp_cli.sources.depth_unit import unit_warning
 from flatgrasp_cli.sources.selection import Selection
 from flatgrasp_cli.sources.text_lines import shown
 from flatgrasp_cli.sources.tiff import MAGICS as TIFF_MAGICS

@@ -8,7 +8,7 @@ from typing import Literal
 
 from flatgrasp_cli.errors import SourceError, UsageError
 from flatgrasp_cli.model import Cloud, Source
-from flatgrasp_cli.sources.containers import is_recording
+from flatgrasp_cli.recordings.containers import is_recording
 from flatgrasp_cli.sources.files import IMAGES
 from flatgrasp_cli.sources.files import SUFFIXES as CLOUDS
 from flatgrasp_cli.sources.selection import Selection
@@ -22,7 +22,7 @@ def kind_of_folder(folder: Path, name: str) -> Literal["recording", "images"]:
     SourceError
         If it is neither, or holds things of several kinds.
     """
-    from flatgrasp_cli.sources.containers.rosbag2 import METADATA, storage_files
+    from flatgrasp_cli.recordings.containers.rosbag2 import METADATA, storage_files
 
     if (folder / METADATA).is_file() and is_recording(folder):
         return "recording"

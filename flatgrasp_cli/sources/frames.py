@@ -15,14 +15,12 @@ from typing import Any
 import numpy as np
 
 from flatgrasp_cli.errors import NoFramesError
-from flatgrasp_cli.model import Cloud, Sensor, Source
-from flatgrasp_cli.sensor.frame_names import has_z_up, is_optical
-from flatgrasp_cli.sources.containers import open_recording
-from flatgrasp_cli.sources.containers.recording import Message, Problems, Recording, Topic, printable
-from flatgrasp_cli.sources.messages import (
+from flatgrasp_cli.model import Cloud, CloudWarning, ImageGrid, Sensor, Source
+from flatgrasp_cli.recordings.containers import open_recording
+from flatgrasp_cli.recordings.containers.recording import Message, Problems, Recording, Topic, printable
+from flatgrasp_cli.recordings.messages import (
     CLOUD_TYPES,
     INFO_TYPE,
-    UNIT_ASSUMED,
     UNIT_TYPE,
     Decoded,
     DepthCameras,
@@ -30,10 +28,12 @@ from flatgrasp_cli.sources.messages import (
     info_topics_for,
     unit_topic_for,
 )
-from flatgrasp_cli.sources.placement import TRANSFORM_TYPES, Placement, RecordedTransforms
+from flatgrasp_cli.sensor.frame_names import has_z_up, is_optical
+from flatgrasp_cli.sources.depth_unit import unit_warning
+from flatgrasp_cli.sources.placement import Placement
 from flatgrasp_cli.sources.selection import NS, Every, Selection
 from flatgrasp_cli.sources.topics import choose_topic
-from flatgrasp_cli.sources.transforms import MissingTransform
+from flatgrasp_cli.sources.transforms import TRANSFORM_TYPES, MissingTransform, RecordedTransforms
 
 _log = logging.getLogger(__name__)
 
@@ -166,9 +166,7 @@ def _images(
 
 def _cloud(decoded: Decoded, message: Message, source: Source, scale: float) -> Cloud:
     stamp_ns = message.stamp_ns if decoded.stamp_ns is None else decoded.stamp_ns
-    sensor, viewpoint = decoded.sensor, decoded.viewpoint
-    if sensor is None and is_optical(decoded.frame_id):
-        sensor = Sensor("frame", np.zeros(3))
+    viewpoint = decoded.viewpoint
     if viewpoint is None and not has_z_up(decoded.frame_id):
         viewpoint = np.zeros(3)  # a sensor publishes what it sees in a frame of its own
     return Cloud(
@@ -178,11 +176,21 @@ def _cloud(decoded: Decoded, message: Message, source: Source, scale: float) -> 
         frame_id=decoded.frame_id,
         dropped=decoded.dropped,
         colors=decoded.colors,
-        sensor=sensor,
-        pixels=decoded.pixels,
-        # whoever gives a scale has settled what a count is
-        warnings=tuple(item for item in decoded.warnings if scale == 1.0 or item.code != UNIT_ASSUMED),
+        sensor=Sensor("frame", np.zeros(3)) if decoded.from_camera or is_optical(decoded.frame_id) else None,
+        pixels=None if decoded.filled is None else ImageGrid(decoded.shape, decoded.filled),
+        warnings=tuple(_warnings(decoded, scale)),
     )
+
+
+def _warnings(decoded: Decoded, scale: float) -> Iterator[CloudWarning]:
+    """What had to be assumed of a message."""
+    for item in decoded.assumptions:
+        yield CloudWarning(item.code, item.text)
+    unit_m = decoded.assumed_unit_m
+    if unit_m is not None and scale == 1.0:  # whoever gives a scale has settled what a count is
+        doubt = unit_warning(decoded.points[:, 2], unit_m)
+        if doubt is not None:
+            yield doubt
 
 
 def _thinned(messages: Iterator[Message], every: Every) -> Iterator[Message]:

@@ -10,7 +10,7 @@ from typing import Any
 import yaml
 
 from flatgrasp_cli.errors import UsageError
-from flatgrasp_cli.sources.messages.camera_info import CameraInfo
+from flatgrasp_cli.recordings.messages.camera_info import CameraInfo
 
 MAX_BYTES = 1_000_000
 WANTED = "give fx,fy,cx,cy in pixels, or a file: a ROS camera_info (YAML) or Open3D's PinholeCameraIntrinsic (JSON)"

@@ -37,36 +37,48 @@ def read_clouds(
     scale
         Metres in one unit of the source: 0.001 for one in millimetres.
     selection
-        Which topic and frames of a recording, and of what camera depth images are; a file with one cloud has no choice.
+        Which topic and frames of a recording, of what camera depth images are, and in which frame clouds are wanted.
 
     Raises
     ------
     SourceError
         If the source is missing, is no cloud, or contradicts its own header.
     UsageError
-        If a depth image is given without its camera's intrinsics, or a file is to say where a frame is.
+        If a depth image is given without its camera's intrinsics, or only a recording could say where a frame is.
     """
-    from flatgrasp_cli.sources.containers import is_recording
-    from flatgrasp_cli.sources.files import read_file
+    from flatgrasp_cli.recordings.containers import is_recording
     from flatgrasp_cli.sources.folders import folder_images, kind_of_folder
 
     name = os.fspath(source)
     with on_disk(name) as path:
         label = "stdin" if name == STDIN else name
-        are_images = path.is_dir() and kind_of_folder(path, label) == "images"
-        if not are_images and is_recording(path):
+        if path.is_dir() and kind_of_folder(path, label) == "images":
+            yield from _placed(folder_images(path, label, scale, selection), label, selection)
+        elif is_recording(path):
             from flatgrasp_cli.sources.frames import recorded_clouds
 
             yield from recorded_clouds(path, label, scale, selection)
-        elif selection.sensor_frame is not None:
-            raise UsageError(
-                f"{label}: --sensor {selection.sensor_frame}: is the name of a frame, and only a recording can say "
-                "where that is; give the place X,Y,Z, above, or none"
-            )
-        elif are_images:
-            yield from folder_images(path, label, scale, selection)
         else:
-            yield read_file(path, label, scale, selection)
+            yield from _placed(_only_cloud(path, label, scale, selection), label, selection)
+
+
+def _placed(clouds: Iterator[Cloud], name: str, selection: Selection) -> Iterator[Cloud]:
+    """Clouds of files, which have no transforms, where they are wanted."""
+    from flatgrasp_cli.placing import placed
+
+    if selection.sensor_frame is not None:
+        raise UsageError(
+            f"{name}: --sensor {selection.sensor_frame}: is the name of a frame, and only a recording can say "
+            "where that is; give the place X,Y,Z, above, or none"
+        )
+    for cloud in clouds:
+        yield placed(cloud, selection.base_frame, selection.camera_pose)
+
+
+def _only_cloud(path: Path, name: str, scale: float, selection: Selection) -> Iterator[Cloud]:
+    from flatgrasp_cli.sources.files import read_file
+
+    yield read_file(path, name, scale, selection)
 
 
 @contextmanager

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from decimal import Decimal, InvalidOperation
 from typing import TYPE_CHECKING, Literal
@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Literal
 from flatgrasp_cli.errors import UsageError
 
 if TYPE_CHECKING:
-    from flatgrasp_cli.sources.messages.camera_info import CameraInfo
+    from flatgrasp_cli.profiles import CameraPose
+    from flatgrasp_cli.recordings.messages.camera_info import CameraInfo
 
 DepthAxes = Literal["optical", "body"]
 NS = 1_000_000_000
@@ -41,29 +42,41 @@ class Every:
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """Which frames of a recording, and how they are wanted.
-
-    `topic` is None for the only one with clouds; frames lie in start ≤ t < end, or are the first at or after `at`.
-    They come in `base_frame`, by the recording's own transforms, if that is given, and with `colors` if those are
-    wanted. `sensor_frame` is the frame of the sensor that saw them. With `strict`, the first problem ends the reading
-    with an error. `intrinsics` and `depth_unit_m`, metres in one count, say what depth images mean that do not say it
-    themselves, `depth_axes` whether the frame that they are stamped with is an optical one (x right, y down, z forward)
-    or a body's (x forward, z up).
-    """
+    """Which frames of a source are wanted, in which frame of reference, and what has to be said of them for that."""
 
     topic: str | None = None
+    """Of a recording; None: the only one with clouds."""
     start: Moment | None = None
+    """Frames lie in start ≤ t < end."""
     end: Moment | None = None
     at: Moment | None = None
+    """Only the first frame at or after this time."""
     every: Every = Every()
     count: int | None = None
+    """At most so many frames."""
     base_frame: str | None = None
+    """The frame to bring clouds into; None: they stay in their own."""
     sensor_frame: str | None = None
+    """A recording's frame of the sensor that saw them."""
     colors: bool = False
+    """Whether clouds come with the colours that they have."""
     strict: bool = False
+    """Whether the first problem ends the reading with an error."""
     intrinsics: CameraInfo | None = None
+    """Of the camera that took depth images; None: as a recording says."""
     depth_unit_m: float | None = None
+    """Metres in one count of depth; None: as the images say."""
     depth_axes: DepthAxes | None = None
+    """Whether the frame that depth images are stamped with is an optical one (x right, y down, z forward) or a body's
+    (x forward, z up); None: as its name and the transforms tell."""
+    # not in words: a batch's manifest holds it by itself, and a batch begun before goes on only with the same words
+    camera_pose: CameraPose | None = field(default=None, repr=False)
+    """Of the clouds' own frame in `base_frame`; None: as a recording's transforms tell."""
+
+    @property
+    def needs_transforms(self) -> bool:
+        """Whether only transforms tell where the clouds or their sensor are."""
+        return self.sensor_frame is not None or (self.base_frame is not None and self.camera_pose is None)
 
 
 EVERYTHING = Selection()

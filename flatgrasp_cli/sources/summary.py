@@ -10,18 +10,17 @@ from typing import Any
 
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.model import UNNAMED_FRAME, Cloud, Sensor
+from flatgrasp_cli.recordings.containers import Recording, Topic, is_recording, open_recording
+from flatgrasp_cli.recordings.messages import CLOUD_TYPES, MessageError
 from flatgrasp_cli.sensor import located
-from flatgrasp_cli.sources.containers import Recording, Topic, is_recording, open_recording
 from flatgrasp_cli.sources.files import kind_of_file, read_kind
 from flatgrasp_cli.sources.folders import folder_images, kind_of_folder
 from flatgrasp_cli.sources.frames import usable_frames
-from flatgrasp_cli.sources.messages import CLOUD_TYPES, MessageError
 from flatgrasp_cli.sources.open import STDIN, on_disk
 from flatgrasp_cli.sources.pcd_header import read_pcd_header
-from flatgrasp_cli.sources.placement import TRANSFORM_TYPES
 from flatgrasp_cli.sources.selection import EVERYTHING, NS, Selection
 from flatgrasp_cli.sources.topics import depth_topics
-from flatgrasp_cli.sources.transforms import TransformBuffer
+from flatgrasp_cli.sources.transforms import TRANSFORM_TYPES, TransformBuffer
 
 DECIMALS = 9
 TRANSFORMS_READ = 1000

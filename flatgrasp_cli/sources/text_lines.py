@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 from typing import BinaryIO
 
-from flatgrasp_cli.sources.containers import printable
+from flatgrasp_cli.recordings.containers import printable
 
 SHOWN = 100
 """Characters of a file's own words that an error repeats."""

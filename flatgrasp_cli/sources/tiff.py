@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flatgrasp_cli.sources.messages import MessageError
+from flatgrasp_cli.recordings.messages import MessageError
 
 MAGICS = {b"II*\0": "<", b"MM\0*": ">"}
 ENTRY_BYTES = 12

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from typing import Any
 
 from flatgrasp_cli.errors import SourceError
-from flatgrasp_cli.sources.containers.recording import Recording, Topic, printable
-from flatgrasp_cli.sources.messages import CLOUD_TYPES, IMAGE_TYPES, LOSSY, is_depth, is_lossy_depth
+from flatgrasp_cli.recordings.containers.recording import Recording, Topic, printable
+from flatgrasp_cli.recordings.messages import CLOUD_TYPES, IMAGE_TYPES, LOSSY, is_depth, is_lossy_depth
 
 LEGACY = "sensor_msgs/msg/PointCloud"
 LISTED = 40

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from flatgrasp_cli import load_gripper, load_robot, plan, read_clouds
+from flatgrasp_cli import load_gripper, load_robot, load_settings, plan, read_clouds
 from flatgrasp_cli.results.table import grasp_table
 from tests.conftest import SAMPLES, Run
 
@@ -50,14 +50,18 @@ def test_no_number_is_cut_however_narrow_it_is(
 
 
 def test_a_grasp_is_one_line_of_what_the_document_says(run: Run) -> None:
-    done = run("plan", SCENE, "--plots", "none", "--gripper", "pr2")
-    (result,) = [plan(cloud, load_gripper("pr2")) for cloud in read_clouds(SCENE)]
+    aloof = "hand.clearance_m=0.025"
+    done = run("plan", SCENE, "--plots", "none", "--gripper", "pr2", "--set", aloof)
+    settings = load_settings("default", (aloof,))
+    (result,) = [plan(cloud, load_gripper("pr2"), settings) for cloud in read_clouds(SCENE)]
     first, item, grasp = done.out.splitlines(), result.objects[0], result.objects[0].grasps[0]
     assert first[0] == f"{SCENE} · pr2: two fingers on an arc" or first[0] == str(SCENE)
     best = next(line for line in first if line.split()[:2] == [str(item.object.id), "1"])
     numbers = [1e3 * grasp.width_m, 1e3 * grasp.opening_m, grasp.required_friction, *grasp.position]
     assert [float(word) for word in best.split()[2:]] == pytest.approx(numbers, abs=0.051)
-    assert f"object 3: no grasp: {result.objects[3].rejection.reason[:20]}" in done.out  # type: ignore[union-attr]
+    refused = result.objects[-1]
+    assert refused.rejection is not None
+    assert f"object {refused.object.id}: no grasp: {refused.rejection.reason[:20]}" in done.out
 
 
 def test_the_default_hand_is_named_first(tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -21,8 +21,8 @@ from rosbags.rosbag1 import Writer as Ros1Writer
 from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
 from flatgrasp_cli.errors import SourceError
-from flatgrasp_cli.sources.containers import Problems, Recording, Topic, bounded, is_recording, open_recording
-from flatgrasp_cli.sources.containers.merge import in_order
+from flatgrasp_cli.recordings.containers import Problems, Recording, Topic, bounded, is_recording, open_recording
+from flatgrasp_cli.recordings.containers.merge import in_order
 from tests.recordings.writing import (
     BARE,
     CLOUD_TYPE,
@@ -40,8 +40,8 @@ from tests.recordings.writing import (
 )
 
 if TYPE_CHECKING:
-    from flatgrasp_cli.sources.containers.mcap import McapRecording
-    from flatgrasp_cli.sources.containers.ros1_bag import Ros1Recording
+    from flatgrasp_cli.recordings.containers.mcap import McapRecording
+    from flatgrasp_cli.recordings.containers.ros1_bag import Ros1Recording
 
 RECORDINGS = Path(__file__).resolve().parents[3] / "shared" / "data" / "recordings"
 BZ2, LZ4 = Ros1Writer.CompressionFormat.BZ2, Ros1Writer.CompressionFormat.LZ4
@@ -127,7 +127,7 @@ def test_a_range_of_time_is_half_open(container: str, tmp_path: Path) -> None:
 
 
 def test_messages_are_read_one_chunk_at_a_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from flatgrasp_cli.sources.containers.mcap import McapRecording
+    from flatgrasp_cli.recordings.containers.mcap import McapRecording
 
     reads: list[int] = []
     original = McapRecording.read_chunk
@@ -622,7 +622,7 @@ def test_zstd_file_cut_short(tmp_path: Path) -> None:
 
 def test_this_package_alone_loads_no_reader() -> None:
     heavy = ("mcap", "rosbags", "lz4", "backports.zstd", "google.protobuf")
-    code = f"import sys, flatgrasp_cli.sources.containers; print([name for name in {heavy} if name in sys.modules])"
+    code = f"import sys, flatgrasp_cli.recordings.containers; print([name for name in {heavy} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"
 

@@ -16,7 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.sources.messages import (
+from flatgrasp_cli.recordings.messages import (
     CLOUD_TYPES,
     CameraInfo,
     DepthCameras,
@@ -26,9 +26,9 @@ from flatgrasp_cli.sources.messages import (
     is_depth,
     is_lossy_depth,
 )
-from flatgrasp_cli.sources.messages.foxglove import decode_foxglove
-from flatgrasp_cli.sources.messages.packed import BLOCK
-from flatgrasp_cli.sources.messages.pointcloud2 import decode_pointcloud, decode_pointcloud2
+from flatgrasp_cli.recordings.messages.foxglove import decode_foxglove
+from flatgrasp_cli.recordings.messages.packed import BLOCK
+from flatgrasp_cli.recordings.messages.pointcloud2 import decode_pointcloud, decode_pointcloud2
 from tests.recordings.test_rvl import encode_rvl
 
 RECORDINGS = Path(__file__).resolve().parents[3] / "shared" / "data" / "recordings"
@@ -193,7 +193,7 @@ def test_the_last_rows_padding_may_be_missing_and_one_rows_step_unset() -> None:
     message.row_step = 0
     decoded = decode_pointcloud2(message)
     np.testing.assert_array_equal(decoded.points, FINITE)
-    assert decoded.warnings == ()
+    assert decoded.assumptions == ()
 
 
 @pytest.mark.parametrize("row_step", [0, 2, 3 * 2, 96, 2**31])
@@ -201,7 +201,7 @@ def test_a_wrong_row_step_is_ignored_if_the_data_is_exact(row_step: int) -> None
     message = patched(cloud2(POINTS, XYZ, 16, (3, 2)), row_step=row_step)
     decoded = decode_pointcloud2(message)
     np.testing.assert_array_equal(decoded.points, FINITE)
-    assert [warning.code for warning in decoded.warnings] == ["row_step_ignored"]
+    assert [item.code for item in decoded.assumptions] == ["row_step_ignored"]
     with pytest.raises(MessageError):
         decode_pointcloud2(patched(message, data=message.data[:-1]))
 
@@ -600,7 +600,7 @@ def test_topics_of_infos() -> None:
 def test_a_wrong_step_of_an_image_is_ignored_if_the_data_is_exact(step: int) -> None:
     decoded = decode(patched(image(), step=step))
     np.testing.assert_allclose(decoded.points, expected(), rtol=1e-12)
-    assert [warning.code for warning in decoded.warnings] == ["row_step_ignored"]
+    assert [item.code for item in decoded.assumptions] == ["row_step_ignored"]
 
 
 @pytest.mark.parametrize(
@@ -669,11 +669,11 @@ def test_the_unit_that_is_stated_recorded_or_written_after_the_image() -> None:
     cameras.add_info(INFO, info())
     tenth = record(data=np.float32(1e-4))
     far = patched(image(10 * DEPTH_MM), depth_units=0.0)  # an SDK's image that is no depth says 0
-    assert [warning.code for warning in cameras.decode(IMAGE, far).warnings] == ["depth_unit_assumed"]
+    assert cameras.decode(IMAGE, far).assumed_unit_m == 1e-3
     cameras.add_unit(tenth)
     decoded = cameras.decode(IMAGE, far)
     np.testing.assert_allclose(decoded.points, expected(), rtol=1e-6)
-    assert decoded.warnings == ()
+    assert decoded.assumed_unit_m is None
     with pytest.raises(MessageError, match="says that a count of depth is nan m"):
         cameras.add_unit(record(data=NAN))
     written = patched(far, depth_units=2e-4)
@@ -682,28 +682,9 @@ def test_the_unit_that_is_stated_recorded_or_written_after_the_image() -> None:
     np.testing.assert_allclose(stated.decode(IMAGE, written).points, 3 * expected(), rtol=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("encoding", "depth", "said"),
-    [
-        ("16UC1", 800, None),
-        ("16UC1", 8000, "millimetres"),
-        ("16UC1", 40, "millimetres"),
-        ("32FC1", 0.8, None),
-        ("32FC1", 800.0, "metres"),
-    ],
-)
-def test_depth_that_no_arm_reaches_is_a_hint_at_the_unit(encoding: str, depth: float, said: str | None) -> None:
-    raw = np.full((HEIGHT, WIDTH), depth)
-    warnings = decode(image(raw, encoding)).warnings
-    assert [f"taken to be in {said}," in warning.text and "--depth-unit" in warning.text for warning in warnings] == [
-        True
-    ] * (said is not None)
-    raw[0, :4] = 1.0 if encoding == "32FC1" else 1000  # a twelfth of the picture is near enough
-    assert decode(image(raw, encoding)).warnings == ()
-
-
-def test_no_depth_at_all_is_no_hint() -> None:
-    assert decode(image(np.zeros((HEIGHT, WIDTH)))).warnings == ()
+def test_an_encoding_that_nobody_confirms_is_an_assumed_unit() -> None:
+    assert decode(image()).assumed_unit_m == 1e-3
+    assert decode(image(encoding="32FC1")).assumed_unit_m == 1.0
 
 
 def test_equal_calibrations_are_one_key() -> None:

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from flatgrasp_cli.geometry.arrays import ByteArray
-from flatgrasp_cli.sources.messages import MessageError
-from flatgrasp_cli.sources.messages.rvl import decode_rvl, rvl_size
+from flatgrasp_cli.recordings.messages import MessageError
+from flatgrasp_cli.recordings.messages.rvl import decode_rvl, rvl_size
 
 
 def nibbles_of(number: int) -> list[int]:

@@ -13,7 +13,8 @@ from pydantic import TypeAdapter
 from flatgrasp_cli import load_gripper, plan
 from flatgrasp_cli.geometry.polygon import signed_area
 from flatgrasp_cli.planning import Plan
-from flatgrasp_cli.results.contracts import Document, json_schema
+from flatgrasp_cli.results.contracts import json_schema
+from flatgrasp_cli.results.contracts.plan import Document
 from flatgrasp_cli.results.document import to_document, to_json
 from flatgrasp_cli.results.figures import as_png, final_figure, stage_figures
 from flatgrasp_cli.results.figures.hand import DrawnHand, finger_boxes

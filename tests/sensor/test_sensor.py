@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from flatgrasp_cli import Cloud, load_gripper, plan
+from flatgrasp_cli.cli.place_options import parse_sensor
 from flatgrasp_cli.errors import UsageError
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion
@@ -20,7 +21,6 @@ from flatgrasp_cli.scene import without_far_strays, without_repeats
 from flatgrasp_cli.sensor import located
 from flatgrasp_cli.sensor.frame_names import has_z_up, is_optical
 from flatgrasp_cli.sensor.projection import center_of_projection
-from flatgrasp_cli.sensor.statement import parse_sensor
 from flatgrasp_cli.sensor.surface import Surface
 from tests.conftest import MM, TABLE, Box, Camera, Solid, Tube
 

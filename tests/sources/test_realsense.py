@@ -14,7 +14,7 @@ from rosbags.rosbag1 import Writer as Ros1Writer
 from flatgrasp_cli import read_clouds
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.model import Cloud
-from flatgrasp_cli.sources.containers.bounded import inflate, inflate_lz4_unchecked
+from flatgrasp_cli.recordings.containers.bounded import inflate, inflate_lz4_unchecked
 from flatgrasp_cli.sources.selection import Selection
 from flatgrasp_cli.sources.summary import summarize
 from tests.recordings.writing import ROS1, START_NS

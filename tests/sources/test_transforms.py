@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation, Slerp
 
-from flatgrasp_cli.sources.messages import MessageError
+from flatgrasp_cli.recordings.messages import MessageError
 from flatgrasp_cli.sources.transforms import MissingTransform, TransformBuffer
 
 S = 1_000_000_000

@@ -8,8 +8,10 @@ import sys
 from collections.abc import Iterator
 from functools import lru_cache
 from itertools import pairwise
+from typing import Any
 
-from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
+from pydantic import TypeAdapter
+from pydantic.json_schema import GenerateJsonSchema, JsonSchemaMode, JsonSchemaValue
 from pydantic_core.core_schema import ModelSchema, TypedDictSchema
 
 
@@ -29,12 +31,42 @@ class DescribedSchema(GenerateJsonSchema):
         return _described(super().typed_dict_schema(schema), schema["cls"]) | {"additionalProperties": False}
 
 
+def described(of: type, mode: JsonSchemaMode) -> dict[str, Any]:
+    """The JSON Schema of what is written as this type (`serialization`) or taken for it (`validation`), described."""
+    return TypeAdapter(of).json_schema(by_alias=True, mode=mode, schema_generator=DescribedSchema)
+
+
+def extendable(schema: dict[str, Any]) -> dict[str, Any]:
+    """The schema of a profile that may leave keys to the shipped one that it `extends`: then none is required."""
+    from flatgrasp_cli.profiles import list_profiles
+
+    parts = {
+        name: {key: value for key, value in part.items() if key != "required"} for name, part in schema["$defs"].items()
+    }
+    extends = {
+        "type": "string",
+        "enum": list_profiles("planner"),
+        "description": "The shipped profile that has the keys which are left out.",
+    }
+    whole = {key: value for key, value in schema.items() if key != "required"}
+    return {**whole, "$defs": parts, "properties": {"extends": extends, **schema["properties"]}}
+
+
 def _described(schema: JsonSchemaValue, of: type) -> JsonSchemaValue:
-    texts = _docstrings(of.__module__).get(of.__name__, {})
+    texts = _texts(of)
     for key, value in schema.get("properties", {}).items():
         if key in texts:
             value["description"] = texts[key]
     return schema
+
+
+def _texts(of: type) -> dict[str, str]:
+    """The docstrings of a type's fields, by field, with those that it inherits."""
+    texts: dict[str, str] = {}
+    for base in getattr(of, "__orig_bases__", of.__bases__):  # a typed dictionary's own say nothing but dict
+        if isinstance(base, type) and base.__module__.partition(".")[0] == __name__.partition(".")[0]:
+            texts |= _texts(base)
+    return texts | _docstrings(of.__module__).get(of.__name__, {})
 
 
 @lru_cache

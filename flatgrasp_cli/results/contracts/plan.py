@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Literal
 
 from flatgrasp_cli.model import KnownFrom
 from flatgrasp_cli.profiles import Gripper, PlannerSettings, Robot
@@ -106,13 +106,3 @@ class Document(Part):
     """The objects, the one with the best grasp first."""
     timing_ms: TimingPart
     """What took how long, milliseconds."""
-
-
-def json_schema() -> dict[str, Any]:
-    """The JSON Schema (draft 2020-12) of a document."""
-    from pydantic import TypeAdapter
-
-    from flatgrasp_cli.results.contracts.descriptions import DescribedSchema
-
-    schema = TypeAdapter(Document).json_schema(mode="serialization", schema_generator=DescribedSchema)
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": SCHEMA_ID, **schema}

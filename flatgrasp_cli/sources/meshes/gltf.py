@@ -24,8 +24,7 @@ from flatgrasp_cli.sources.meshes.mesh import polygon_cloud
 from flatgrasp_cli.sources.text_lines import shown
 
 MAGIC = b"glTF"
-HEADER = struct.Struct("<4sII")
-CHUNK = struct.Struct("<I4s")
+HEADER, CHUNK = struct.Struct("<4sII"), struct.Struct("<I4s")
 UNREADABLE = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_mesh_quantization")
 FLOAT = 5126
 TRIANGLES, STRIP, FAN = 4, 5, 6

@@ -8,7 +8,8 @@ from typing import Any
 
 from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion
 from flatgrasp_cli.model import CloudWarning
-from flatgrasp_cli.sources.messages.decoded import frame_name
+from flatgrasp_cli.placing import Route
+from flatgrasp_cli.recordings.messages.decoded import frame_name
 from flatgrasp_cli.sources.transforms.links import Link, Links, When
 from flatgrasp_cli.sources.transforms.routes import IDENTITY, REMEDY, Attempt, Chain, MissingTransform, decided
 from flatgrasp_cli.sources.transforms.samples import Read, read_transforms
@@ -16,14 +17,6 @@ from flatgrasp_cli.sources.transforms.samples import Read, read_transforms
 TOLERANCE_NS = 100_000_000
 """A transform counts as still (or already) true for so long after (before) its only neighbour in time."""
 LISTED_FRAMES = 20
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Route:
-    """The pose of one frame in another, and what had to be assumed of the transforms between them."""
-
-    frame: Frame
-    warnings: tuple[CloudWarning, ...] = ()
 
 
 @dataclass(slots=True, eq=False)

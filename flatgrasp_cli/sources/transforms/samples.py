@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.sources.messages.decoded import frame_name, reading, stamp_ns, unit_quaternion
+from flatgrasp_cli.recordings.messages.decoded import frame_name, reading, stamp_ns, unit_quaternion
 
 NEARLY_PARALLEL = 0.9995
 """Cosine of half the angle between two rotations above which their arc is as good as straight."""

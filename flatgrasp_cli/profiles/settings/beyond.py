@@ -1,0 +1,67 @@
+"""Beyond the paper: what the settings say of objects on a support plane, and of proofs."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from flatgrasp_cli.profiles.base import Length, Profile, Share, Size, Step
+
+
+class DepthSettings(Profile):
+    """Over a support plane: how deep the fingertips go, and what they and the palm keep clear of."""
+
+    table_clearance_m: Length
+    """Free space between fingertips and support plane, metres."""
+    min_clearance_m: Length
+    """The same for an object hardly higher than that, metres."""
+    low_object_share: Share
+    """Fingertips go down to this share of a low object's height."""
+    palm_clearance_m: Length
+    """Free space between the palm and whatever is highest below it, metres."""
+    obstacle_clearance_m: Length
+    """Free space between fingertips and what lies below them, metres."""
+    min_grip_m: Size
+    """Least height of the pads on the object, metres; half of the object's height where that is less."""
+    good_grip_m: Size
+    """Height of the pads on the object beyond which more is no better, metres."""
+    slice_step_m: Step
+    """Outlines are taken at levels this far apart, metres."""
+    wall_drop: Annotated[float, Field(ge=0, le=20)]
+    """Least steepness of the object below the fingertips, a ratio of height to breadth: a flatter flank would push the
+    fingers off."""
+    standing_ratio: Annotated[float, Field(ge=0.01, le=1e3)]
+    """An object this many times as high as its footprint is long, a ratio, may be grasped from the side, if not from
+    above."""
+    unseen: Literal["rank", "refuse", "ignore"]
+    """Finger places that no ray reached, in the object's shadow: rank lower, refuse, or take for free."""
+    approach_m: Length
+    """From the pre-grasp pose to the grasp, along the approach, metres."""
+    lift_m: Length
+    """From the grasp to the lift pose, along the support plane's normal, metres."""
+
+
+class CagingSettings(Profile):
+    """Beyond the paper: within which openings the object cannot get away."""
+
+    certify: bool
+    """Whether the best grasps get certificates."""
+    mass_kg: Annotated[float, Field(ge=1e-4, le=1e4)] | None
+    """The object's mass, kilograms, for the margins of lifting it; None: not known."""
+    prefer: Literal["cost", "cage"]
+    """cage: grasps with a cage first, of those the one that forgives the largest miss."""
+    require: bool
+    """Whether a grasp without a cage is none."""
+    considered: Annotated[int, Field(ge=1, le=1000)]
+    """The number of the cheapest grasps that compete when cages decide."""
+    closing: Literal["inward", "outward"]
+    """Whether the fingers close on the object or open in a notch or a hole of it."""
+    tolerance_m: Length
+    """How far the outline may be simplified, metres; more if it has more than `max_vertices` then."""
+    max_vertices: Annotated[int, Field(ge=8, le=1000)]
+    """Largest number of the outline's vertices: time grows with their square."""
+    noise_m: Length
+    """By how much the outline may be wrong in the guaranteed limits, metres."""
+    told_apart_m: Length
+    """Grasps less deep than this, metres, from their width to the opening that leads to the next one, count as one."""

@@ -1,0 +1,57 @@
+"""Before the paper: what the settings say of the scene."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import Field, field_validator
+
+from flatgrasp_cli.profiles.base import Angle, FarPlace, Length, Profile, Share, Size
+
+Component = Annotated[float, Field(ge=-1e6, le=1e6)]
+
+
+class SceneSettings(Profile):
+    """Before the paper: the support plane and the objects on it."""
+
+    mode: Literal["auto", "object", "table"]
+    """Whether the cloud shows one object alone or objects on a support plane; auto: as the cloud says."""
+    crop: tuple[FarPlace, FarPlace, FarPlace, FarPlace, FarPlace, FarPlace] | None
+    """Region of interest: x_min, x_max, y_min, y_max, z_min, z_max in metres; what lies outside does not exist."""
+    select: Literal["all", "nearest", "largest"] | tuple[FarPlace, FarPlace]
+    """Which objects are planned: all, the one nearest to the sensor, the largest, or the one nearest to (x, y) in
+    metres."""
+    up: tuple[Component, Component, Component] | None
+    """Normal of the support plane, roughly, in the cloud's frame, a vector of any length; None: the biggest plane
+    facing the sensor."""
+    max_tilt_deg: Angle
+    """How far the support plane's normal may lie from `up`, degrees."""
+    max_view_deg: Angle
+    """Without `up`: how far it may lie from the direction to the sensor, degrees."""
+    min_plane_share: Share
+    """Share of the points that a support plane has at least."""
+    min_height_m: Size
+    """Least height of an object, metres."""
+    noise_factor: Annotated[float, Field(ge=1, le=20)]
+    """An object stands this many times the standard deviation of the support plane's raster above it."""
+    gap_m: Length
+    """Parts of an object may be this far apart, metres; objects closer than this count as one."""
+    min_size_m: Size
+    """Objects whose footprint is smaller than a square of this side, metres, are taken for outliers."""
+    max_size_m: Size
+    """What is longer, in metres, is no object but furniture, and only an obstacle."""
+
+    @field_validator("crop")
+    @classmethod
+    def _ordered(cls, crop: tuple[float, ...] | None) -> tuple[float, ...] | None:
+        if crop is not None and not all(low < high for low, high in zip(crop[::2], crop[1::2], strict=True)):
+            raise ValueError("every minimum must be below its maximum")
+        return crop
+
+    @field_validator("up")
+    @classmethod
+    def _direction(cls, up: tuple[float, float, float] | None) -> tuple[float, float, float] | None:
+        if up is not None and math.hypot(*up) < 1e-6:
+            raise ValueError("must not be zero")
+        return up
