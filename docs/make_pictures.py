@@ -1,18 +1,22 @@
 """Makes the pictures in docs/: `python docs/make_pictures.py [NAME…]`, all of them without a name.
 
 Names: frames, teddy_bear, table_scene, robot, pan_cage. frame_rate.png is made by benchmarks/frame_rate.py, which
-needs a quiet machine.
+needs a quiet machine. `drawn.json` keeps what each picture shows, and a test compares that with what the program draws.
 """
 
 from __future__ import annotations
 
-import subprocess
+import io
 import sys
 from collections.abc import Callable
+from contextlib import redirect_stdout
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import drawn
+
 from flatgrasp_cli import load_gripper
+from flatgrasp_cli.cli import cli
 from flatgrasp_cli.results.figures import as_png
 from flatgrasp_cli.results.figures.frames import frames_figure
 from flatgrasp_cli.whole_files import write_bytes
@@ -54,8 +58,8 @@ def _of_command(command: str, sample: str, kind: str, *options: str, saved_as: s
     """Keep the picture of a kind that a command draws of a sample."""
     with TemporaryDirectory() as out:
         source = SAMPLES / f"{sample}.pcd"
-        line = [sys.executable, "-m", "flatgrasp_cli", command, str(source), *options, "--out", out]
-        subprocess.run(line, check=True, stdout=subprocess.DEVNULL)  # noqa: S603 - the program itself
+        with redirect_stdout(io.StringIO()):
+            cli.main([command, str(source), *options, "--out", out], standalone_mode=False)
         write_bytes(FOLDER / (saved_as or f"{sample}.{kind}.png"), (Path(out) / f"{sample}.{kind}.png").read_bytes())
 
 
@@ -65,5 +69,7 @@ PICTURES: dict[str, Callable[[], None]] = {
 
 
 if __name__ == "__main__":
-    for name in sys.argv[1:] or PICTURES:
-        PICTURES[name]()
+    with drawn.recorded() as found:
+        for name in sys.argv[1:] or PICTURES:
+            PICTURES[name]()
+    drawn.keep(FOLDER, found)

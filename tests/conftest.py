@@ -7,6 +7,7 @@ import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,6 +17,7 @@ import shapely
 from hypothesis import settings
 from scipy.spatial.transform import Rotation
 
+from flatgrasp_cli import Plan, plan, read_clouds
 from flatgrasp_cli.cli import run as run_here
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame
@@ -62,6 +64,12 @@ def sampled(shape: shapely.Polygon, pitch_mm: float = 1.0, seed: int = 0) -> Flo
 def cloud_of(points: FloatArray, viewpoint: Sequence[float] = (0.0, 0.0, 1.0)) -> Cloud:
     """A cloud seen from above."""
     return Cloud(points, np.array(viewpoint), Source("test"))
+
+
+@cache
+def planned_sample(name: str, gripper: str = "pr2", method: str = "default") -> Plan:
+    """The plan of a sample, made once for all tests that look at it."""
+    return plan(next(read_clouds(SAMPLES / f"{name}.pcd")), load_gripper(gripper), load_settings(method))
 
 
 @pytest.fixture(scope="session")

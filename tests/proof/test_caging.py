@@ -1,0 +1,471 @@
+"""Two-finger caging: levels worked out by hand, invariances, a scalar twin, and a flood fill of all placements."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given
+from hypothesis import settings as hypothesis_settings
+from hypothesis import strategies as st
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import connected_components
+
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.polygon import left_normal
+from flatgrasp_cli.model import Cage
+from flatgrasp_cli.profiles import Gripper
+from flatgrasp_cli.profiles.settings import CagingSettings
+from flatgrasp_cli.proof.caging import Hands, contact_space, immobilising_grasps, merge_tree, prove
+from flatgrasp_cli.proof.caging.boundary import Boundary
+from flatgrasp_cli.proof.caging.contact_space import Caging, squeezing
+from flatgrasp_cli.proof.caging.hands import pad_points, sweeps
+from flatgrasp_cli.proof.caging.limits import Limits, limits
+from flatgrasp_cli.proof.caging.merge_tree import ESCAPE, merge_levels
+from flatgrasp_cli.proof.caging.outline import prepare
+from flatgrasp_cli.proof.caging.stretching import stretching
+from tests.proof.caging_shapes import (
+    ARCH,
+    SLOT,
+    bowtie,
+    hollow,
+    i_beam,
+    plus_sign,
+    regular,
+    star,
+    two_notch_bar,
+    ways_out,
+)
+
+seeds = st.integers(0, 2**32 - 1)
+CM = 1e-2
+EXACT = 1e-9
+
+
+def caging_settings(**changes: object) -> CagingSettings:
+    values = {"closing": "inward", "tolerance_m": 0.0, "max_vertices": 300, "noise_m": 0.001, "told_apart_m": 1e-6}
+    chosen = {"certify": True, "prefer": "cost", "require": False, "mass_kg": None, "considered": 60}
+    return CagingSettings.model_validate(chosen | values | changes)
+
+
+def gripper(**changes: object) -> Gripper:
+    values = {
+        "name": "test",
+        "kind": "parallel",
+        "max_opening_m": 0.1,
+        "finger_width_m": 0.005,
+        "finger_thickness_m": 0.004,
+        "finger_length_m": 0.05,
+        "hand_width_m": 0.02,
+        "palm_m": 0.05,
+    }
+    return Gripper.model_validate(values | changes)
+
+
+def certify(loops: list[FloatArray], hands: Hands, hand: Gripper, settings: CagingSettings) -> tuple[Cage, ...]:
+    """The certificates of the hands as they come."""
+    return prove(loops, hands, hand, settings).cages(hands)
+
+
+def hands_at(contacts: FloatArray, opening: FloatArray) -> Hands:
+    """Hands that close along the line of their two `contacts` (k, 2, 2) until they touch both."""
+    apart = contacts[:, 1] - contacts[:, 0]
+    width = np.linalg.norm(apart, axis=1)
+    return Hands(contacts.mean(axis=1), apart / width[:, None], width, opening)
+
+
+def levels_at(loop: FloatArray, p: tuple[float, float], q: tuple[float, float], kind: Callable[..., Caging]) -> Limits:
+    return limits(kind(Boundary.of([loop]), EXACT), np.array([[p, q]], dtype=np.float64))
+
+
+def squeezed(loop: FloatArray, p: tuple[float, float], q: tuple[float, float]) -> tuple[float, float, float]:
+    """Escape, merge and bottom levels."""
+    found = levels_at(loop, p, q, squeezing)
+    return float(found.escape[0]), float(found.merge[0]), float(found.bottom[0])
+
+
+@pytest.mark.parametrize("flange", [0.2, 0.5, 3.0])
+def test_the_i_beam_lets_go_over_its_flange(flange: float) -> None:
+    # one finger round a flange's end, or both out of their notches
+    escape = min(3.0, np.hypot(flange, 2.0))
+    assert squeezed(i_beam(flange=flange), (0, -0.5), (0, 0.5)) == pytest.approx((escape, escape, 1.0), abs=EXACT)
+
+
+def test_the_bowtie() -> None:
+    escape = 6 / np.sqrt(5)
+    assert squeezed(bowtie(), (0, -0.5), (0, 0.5)) == pytest.approx((escape, escape, 1.0), abs=EXACT)
+
+
+def test_the_plus_sign_is_held_in_opposite_corners() -> None:
+    found = squeezed(plus_sign(), (-0.5, -0.5), (0.5, 0.5))
+    assert found == pytest.approx((np.sqrt(5), np.sqrt(5), np.sqrt(2)), abs=EXACT)
+
+
+@pytest.mark.parametrize(("half", "escape"), [(3.0, 2 / np.sqrt(1.0625)), (2.0, 2 / np.sqrt(1.25))])
+def test_from_one_notch_into_the_next(half: float, escape: float) -> None:
+    found = squeezed(two_notch_bar(half), (1, -0.5), (1, 0.5))
+    assert found == pytest.approx((escape, 2 / np.sqrt(1.25), 1.0), abs=EXACT)
+
+
+def test_the_arch_is_left_through_a_tunnel(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert squeezed(ARCH, (7, 0.3), (7, 2.7))[0] == pytest.approx(3.0, abs=EXACT)
+    none = np.empty(0, dtype=np.intp)
+    monkeypatch.setattr(contact_space, "_closing_tunnels", lambda *_: (none, none, np.empty(0)))
+    assert squeezed(ARCH, (7, 0.3), (7, 2.7))[0] == pytest.approx(4.0, abs=EXACT)
+
+
+def test_a_slot_holds_fingers_that_open() -> None:
+    # from corner to corner √5; to change the diagonal they close to the slot's width, to leave, one goes to the lip
+    found = levels_at(SLOT, (-0.9, -0.1), (0.9, -0.9), stretching)
+    assert found.caged[0]
+    assert (found.bottom[0], found.merge[0], found.escape[0]) == pytest.approx(
+        (np.sqrt(5), 2.0, np.hypot(1.5, 1.0)), abs=EXACT
+    )
+    assert not levels_at(SLOT, (-0.8, -0.5), (0.8, -0.5), stretching).caged[0]
+
+
+@pytest.mark.parametrize("corners", [3, 4, 5, 8, 50])
+def test_convex_outlines_are_never_caged(corners: int) -> None:
+    loop = 5 * CM * regular(corners)
+    assert immobilising_grasps([loop], caging_settings()) == ()
+    assert immobilising_grasps([loop], caging_settings(closing="outward")) == ()
+    contacts = np.array([[[-0.04, 0.0], [0.04, 0.0]]])
+    (cage,) = certify([loop], hands_at(contacts, np.array([0.09])), gripper(), caging_settings())
+    assert not cage.squeezing
+    assert cage.reason == "convex outline: two fingers never cage it"
+
+
+def test_free_placements_are_caged_as_what_they_close_into() -> None:
+    rng = np.random.default_rng(0)
+    y = rng.uniform([-1.5, 0.5], [-0.5, 1.5], (50, 2))
+    x = rng.uniform(-0.75, 0.75, (50, 1)) + np.zeros((50, 2))
+    found = limits(squeezing(Boundary.of([i_beam()]), EXACT), np.stack([x, y], axis=2))
+    assert found.escape == pytest.approx(np.full(50, np.hypot(0.5, 2.0)), abs=EXACT)
+    assert found.caged.tolist() == (y[:, 1] - y[:, 0] < np.hypot(0.5, 2.0)).tolist()
+    beside = limits(squeezing(Boundary.of([i_beam()]), EXACT), np.array([[[2.0, -1.0], [2.0, 1.0]]]))
+    assert not beside.meets[0]
+    assert not beside.caged[0]
+
+
+def test_a_finger_in_the_outline_counts_as_withdrawn() -> None:
+    found = levels_at(i_beam(), (0, -0.4), (0, 0.5), squeezing)
+    assert found.opening[0] == pytest.approx(1.0, abs=EXACT)
+    assert found.escape[0] == pytest.approx(np.hypot(0.5, 2.0), abs=EXACT)
+
+
+def ring_and_holes() -> list[FloatArray]:
+    """A block 10 × 4 with two square holes of side 2."""
+    block = np.array([(0.0, 0.0), (10, 0), (10, 4), (0, 4)])
+    hole = np.array([(1.0, 1.0), (1, 3), (3, 3), (3, 1)])
+    return [block, hole, hole + np.array([6.0, 0.0])]
+
+
+def test_a_finger_in_a_hole_never_leaves_it() -> None:
+    caging = squeezing(Boundary.of(ring_and_holes()), EXACT)
+    placements = np.array(
+        [
+            [[2.0, 2.0], [2.0, 5.0]],  # through the block's top
+            [[2.0, 2.0], [8.0, 2.0]],  # from hole to hole
+            [[1.0, 2.0], [3.0, 2.0]],  # in one hole: they meet
+            [[-1.0, 2.0], [11.0, 2.0]],  # around a convex block
+        ]
+    )
+    found = limits(caging, placements)
+    assert found.escape[:2].tolist() == [np.inf, np.inf]
+    assert found.caged.tolist() == [True, True, False, False]
+    assert found.bottom[:2] == pytest.approx([1.0, 4.0], abs=EXACT)
+    # both in one hole hold the block from inside, corner to corner; to another diagonal they close to the side
+    inside = limits(stretching(Boundary.of(ring_and_holes()), EXACT), np.array([[[1.1, 1.2], [2.9, 2.9]]]))
+    assert inside.escape[0] == -np.inf
+    assert (inside.bottom[0], inside.merge[0]) == pytest.approx((np.sqrt(8), 2.0), abs=EXACT)
+
+
+def test_the_certificate_of_a_finger_in_a_hole_has_no_limit() -> None:
+    loops = [CM * loop for loop in ring_and_holes()]
+    contacts = CM * np.array([[[2.0, 3.0], [2.0, 4.0]], [[2.0, 2.9], [2.0, 4.0]]])
+    hands = hands_at(contacts, np.array([0.02, 0.0115]))
+    free, tight = certify(loops, hands, gripper(finger_thickness_m=0.002), caging_settings())
+    assert free.squeezing
+    assert free.opening_max_m is free.margin_m is free.guaranteed_opening_max_m is None
+    assert free.basin_opening_max_m == pytest.approx(np.sqrt(2) * CM)  # round the corner, to the block's left wall
+    assert (free.guaranteed, free.on_approach, free.basin_on_approach) == (True, True, False)
+    assert free.closes_into_m == pytest.approx(CM)
+    assert free.tolerance is not None
+    assert free.tolerance.position_m == pytest.approx((np.sqrt(2) - 1) / 2 * CM)
+    assert tight.tolerance is not None
+    assert tight.tolerance.position_m == pytest.approx(0.025 * CM)
+
+
+def test_fingers_that_stand_in_the_outline_forgive_nothing() -> None:
+    (cage,) = certify([CM * i_beam(flange=2.0, mouth=3.0)], beam_hand(0.8 * CM), gripper(), caging_settings())
+    assert cage.tolerance is not None
+    assert (cage.tolerance.position_m, cage.tolerance.across_m, cage.tolerance.rotation_deg) == (0.0, 0.0, 0.0)
+
+
+def spectrum(loop: FloatArray, closing: str, told_apart: float) -> FloatArray:
+    grasps = immobilising_grasps([loop], caging_settings(closing=closing, told_apart_m=told_apart))
+    return np.array(sorted((each.width_m, each.escape_m or 0, each.basin_m or 0) for each in grasps)).reshape(-1, 3)
+
+
+@given(seeds, st.floats(-np.pi, np.pi), st.floats(0.2, 5.0), st.booleans(), st.sampled_from(["inward", "outward"]))
+@hypothesis_settings(max_examples=40)
+def test_grasps_turn_mirror_and_scale_with_the_outline(
+    seed: int, angle: float, scale: float, mirrored: bool, closing: str
+) -> None:
+    loop = star(seed)
+    moved = np.roll(loop, seed % 9, axis=0) @ np.array(
+        [[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]]
+    )
+    moved = scale * (moved[::-1] * [-1, 1] if mirrored else moved) + [0.3, -0.2]
+    assert spectrum(moved, closing, 1e-4 * scale) == pytest.approx(scale * spectrum(loop, closing, 1e-4), rel=1e-6)
+
+
+def test_contacts_lie_on_the_outline_and_all_grasps_are_found() -> None:
+    grasps = immobilising_grasps([CM * two_notch_bar(3.0)], caging_settings())
+    assert len(grasps) == 2
+    for grasp in grasps:
+        x = abs(grasp.contacts[0, 0])
+        assert np.abs(grasp.contacts) == pytest.approx(CM * np.array([[x / CM, 0.5], [x / CM, 0.5]]), abs=EXACT)
+        assert (grasp.width_m, grasp.escape_m, grasp.basin_m) == pytest.approx(
+            (CM, 2 * CM / np.sqrt(1.0625), 2 * CM / np.sqrt(1.25)), abs=EXACT
+        )
+        assert grasp.depth_m == pytest.approx(CM * (2 / np.sqrt(1.25) - 1), abs=EXACT)
+    (neck,) = immobilising_grasps([i_beam()], caging_settings())
+    assert np.sort(neck.contacts, axis=0) == pytest.approx(np.array([[0, -0.5], [0, 0.5]]), abs=EXACT)
+    assert immobilising_grasps([np.array([(0, 0), (1, 1), (1, 0), (0, 1.0)])], caging_settings()) == ()
+
+
+def test_dents_are_no_grasps_of_their_own() -> None:
+    bar = two_notch_bar(3.0)
+    assert len(immobilising_grasps([bar], caging_settings(told_apart_m=0.78))) == 2
+    assert len(immobilising_grasps([bar], caging_settings(told_apart_m=0.8))) == 1  # the hump between is 0.7889 high
+
+
+def by_hand_kruskal(boundary: Boundary) -> FloatArray:
+    """Escape level (n, n) of all edge pairs, without tunnels: every link of the full torus, one by one."""
+    n = len(boundary)
+    ends = [(boundary.start[k], boundary.start[boundary.follow[k]]) for k in range(n)]
+    segments = [shapely.LineString(each) for each in ends]
+    corners = [shapely.Point(each) for each in boundary.start]
+    links = [(0.0, (k, k), (-1, -1)) for k in range(n)]
+    for i in range(n):
+        for j in range(n):
+            follow = int(boundary.follow[i])
+            links.append((corners[follow].distance(segments[j]), (i, j), (follow, j)))
+            links.append((corners[follow].distance(segments[j]), (j, i), (j, follow)))
+    pools = {(i, j): {(i, j)} for i in range(n) for j in range(n)} | {(-1, -1): {(-1, -1)}}
+    escape = np.full((n, n), np.inf)
+    for level, a, b in sorted(links):
+        if pools[a] is pools[b]:
+            continue
+        with_exit = (-1, -1) in pools[a] or (-1, -1) in pools[b]
+        for node in pools[a] | pools[b] if with_exit else ():
+            if node != (-1, -1):
+                escape[node] = min(escape[node], level)
+        merged = pools[a] | pools[b]
+        pools |= dict.fromkeys(merged, merged)
+    return escape
+
+
+@given(seeds)
+@hypothesis_settings(max_examples=10)
+def test_levels_agree_with_the_scalar_twin(seed: int) -> None:
+    boundary = Boundary.of([star(seed)])
+    caging = squeezing(boundary, EXACT)
+    direct = merge_levels(
+        caging.basins.lowest,
+        [caging.basins.links, (caging.basins.of_node.diagonal(), np.full(9, ESCAPE), np.zeros(9))],
+        EXACT,
+    )
+    levels = np.maximum(direct.escape[caging.basins.of_node], caging.land.birth)
+    assert levels == pytest.approx(by_hand_kruskal(boundary), abs=EXACT)
+
+
+def beam_hand(opening: float = 2.2 * CM) -> Hands:
+    return hands_at(CM * np.array([[[0.0, -0.5], [0.0, 0.5]]]), np.array([opening]))
+
+
+def test_the_certificate_of_an_i_beam_by_hand() -> None:
+    loop = CM * i_beam(flange=2.0, mouth=3.0)
+    (cage,) = certify([loop], beam_hand(), gripper(), caging_settings())
+    escape, small = np.hypot(2.0, 2.0), np.hypot(1.8, 1.8)  # the flange's and the neck's sides come in by 0.1 each
+    assert cage.squeezing
+    assert not cage.stretching
+    assert (cage.opening_max_m, cage.basin_opening_max_m) == pytest.approx((escape * CM, escape * CM))
+    assert cage.margin_m == pytest.approx((escape - 1) * CM)
+    assert cage.closes_into_m == pytest.approx(CM)
+    assert cage.guaranteed
+    assert cage.guaranteed_opening_max_m == pytest.approx(small * CM)
+    assert cage.on_approach
+    assert cage.basin_on_approach
+    assert cage.opening_min_m is cage.basin_opening_min_m is cage.guaranteed_opening_min_m is None
+    (wide,) = certify([loop], beam_hand(3.0 * CM), gripper(), caging_settings())
+    assert (wide.on_approach, wide.basin_on_approach) == (False, False)
+
+
+def test_how_far_the_hand_may_miss_by_hand() -> None:
+    # pads 2.2 apart on a neck of 1, fingers 0.5 wide in notches 3 wide: 0.6 along the axis, 1.25 across
+    loop = CM * i_beam(flange=2.0, mouth=3.0)
+    (cage,) = certify([loop], beam_hand(), gripper(), caging_settings())
+    assert cage.tolerance is not None
+    assert (cage.tolerance.position_m, cage.tolerance.along_m, cage.tolerance.across_m) == pytest.approx(
+        (0.6 * CM, 0.6 * CM, 1.25 * CM)
+    )
+    assert cage.tolerance.lever_m == pytest.approx(np.hypot(0.25, 1.5) * CM)
+    # of a hand that opens 3.0, more than the cage, only what closing to 2.83 leaves is sure
+    (wide,) = certify([loop], beam_hand(3.0 * CM), gripper(), caging_settings())
+    assert wide.tolerance is not None
+    assert wide.tolerance.along_m == pytest.approx((np.sqrt(2) - 0.5) * CM)
+
+
+@given(seeds, st.floats(0.012, 0.03))
+@hypothesis_settings(max_examples=15)
+def test_fingers_stay_free_up_to_the_tolerance_and_touch_beyond(seed: int, opening: float) -> None:
+    loop = CM * i_beam(flange=0.8, mouth=2.0) + np.random.default_rng(seed).uniform(-0.0008, 0.0008, (12, 2))
+    hands, hand = beam_hand(opening), gripper()
+    (cage,) = certify([loop], hands, hand, caging_settings(noise_m=0.0005))
+    assert cage.tolerance is not None
+    begin = np.array([min(opening, cage.basin_opening_max_m or np.inf)])
+    fingers = shapely.union_all(
+        [shapely.box(box.low, box.near[0], box.high, box.far[0]) for box in sweeps(hands, begin, hand, outward=False)]
+    )  # the hand's frame: x across, y along the axis; here the axis is y and across −x
+    shape = shapely.Polygon(np.column_stack([loop @ left_normal(hands.axis)[0], loop @ hands.axis[0]]))
+    assert cage.tolerance.position_m == pytest.approx(fingers.distance(shape), abs=2e-6)
+    most = cage.tolerance.rotation_deg
+    turned = [shapely.affinity.rotate(fingers, angle, origin=(0, 0)) for angle in np.linspace(-most, most, 41)]
+    assert all(shape.intersection(each).area < 1e-12 for each in turned)
+    assert most == 90 or min(shape.distance(turned[0]), shape.distance(turned[-1])) < 2e-4
+
+
+def test_a_thumb_against_a_pair_of_fingers() -> None:
+    # fingers 5 wide at ±8 against one at 0: their nearest edges are 3 aside, and σ² = opening² + 3²
+    hand = gripper(jaws=((0.0,), (-0.008, 0.008)))
+    points, aside = pad_points(beam_hand(), hand)
+    assert aside == pytest.approx([0.003, 0.003])
+    assert np.linalg.norm(points[:, 0, 1] - points[:, 0, 0], axis=1) == pytest.approx([np.hypot(0.01, 0.003)] * 2)
+    (cage,) = certify([CM * i_beam(flange=2.0, mouth=3.0)], beam_hand(), hand, caging_settings())
+    assert cage.opening_max_m == pytest.approx(np.sqrt(8.0 - 0.09) * CM)
+
+
+def test_why_there_is_no_cage() -> None:
+    loop = CM * i_beam(flange=0.5)
+    contacts = CM * np.array([[[0.0, -1.2], [0.0, 1.2]], [[1.6, -0.5], [1.6, 0.5]], [[-1.25, 0.0], [1.25, 0.1]]])
+    wide, beside, ends = certify([loop], hands_at(contacts, np.full(3, 0.03)), gripper(), caging_settings())
+    assert wide.reason == "escapes at 0.0206 m, not above the fingers' 0.0240 m"
+    assert beside.reason == "nothing of the object lies between the fingers"
+    assert ends.reason == "closing, the fingers slip off"
+    (crossed,) = certify([loop[[0, 2, 1, 3]]], beam_hand(), gripper(), caging_settings())
+    assert crossed.reason == "the outline crosses itself"
+    assert certify([loop], beam_hand().select(np.empty(0, dtype=np.intp)), gripper(), caging_settings()) == ()
+
+
+def test_a_cage_finer_than_the_noise_is_not_guaranteed() -> None:
+    loop = CM * i_beam(neck=1.0, depth=0.1, flange=0.5)
+    (cage,) = certify([loop], beam_hand(), gripper(finger_width_m=0.002), caging_settings(noise_m=0.0011))
+    assert cage.squeezing
+    assert not cage.guaranteed
+    assert cage.guaranteed_opening_max_m is None
+    (nothing_left,) = certify([loop], beam_hand(), gripper(), caging_settings(noise_m=0.1))
+    assert nothing_left.squeezing
+    assert not nothing_left.guaranteed
+
+
+def test_a_hand_that_opens_in_a_slot() -> None:
+    contacts = CM * np.array([[[-0.95, -0.2], [0.95, -0.8]]])
+    hands = hands_at(contacts, np.array([1.85 * CM]))
+    hand = gripper(finger_width_m=0.0005, finger_thickness_m=0.0005)
+    (cage,) = certify([CM * SLOT], hands, hand, caging_settings(closing="outward", noise_m=0.0001))
+    assert cage.stretching
+    assert not cage.squeezing
+    assert (cage.opening_min_m, cage.basin_opening_min_m) == pytest.approx((np.hypot(1.5, 1.0) * CM, 2 * CM), rel=0.02)
+    assert cage.margin_m == pytest.approx(np.linalg.norm([1.9, 0.6]) * CM - np.hypot(1.5, 1.0) * CM)
+    assert (cage.on_approach, cage.basin_on_approach, cage.guaranteed) == (True, False, True)
+    assert cage.opening_max_m is None
+
+
+@given(seeds)
+@hypothesis_settings(max_examples=20)
+def test_the_eroded_outline_lies_within_every_outline_that_may_be_meant(seed: int) -> None:
+    loop = 0.05 * star(seed, 40)
+    settings = caging_settings(tolerance_m=0.002, noise_m=0.001, max_vertices=20)
+    outline = prepare([loop], settings)
+    assert outline is not None
+    assert len(outline.boundary) <= 20
+    whole, plain = shapely.Polygon(loop), shapely.Polygon(outline.boundary.start)
+    assert shapely.hausdorff_distance(plain.boundary, whole.boundary, 0.05) <= outline.tolerance_m + 1e-9
+    eroded = outline.eroded(settings.noise_m)
+    if eroded is not None:
+        assert whole.buffer(-settings.noise_m + 1e-6, quad_segs=64).covers(shapely.Polygon(eroded.start))
+
+
+def placements(loop: FloatArray, bottoms: FloatArray, apart: float, rng: np.random.Generator) -> FloatArray:
+    """Placements (m, 2, 2) of fingers `apart`, clear of the outline, near `bottoms` (b, 2, 2)."""
+    near = bottoms[rng.integers(0, len(bottoms), 400)]
+    middle = near.mean(axis=1) + rng.normal(0, 0.25, (400, 2))
+    angle = np.arctan2(*(near[:, 1] - near[:, 0]).T[::-1]) + rng.normal(0, 0.25, 400)
+    half = 0.5 * apart * np.column_stack([np.cos(angle), np.sin(angle)])
+    points = np.stack([middle - half, middle + half], axis=1)
+    grown = shapely.Polygon(loop).buffer(GRID)
+    blocked = shapely.contains_xy(grown, *points.reshape(-1, 2).T).reshape(-1, 2).any(axis=1)
+    return np.asarray(points[~blocked])
+
+
+GRID = 0.07
+
+
+def count_against_flood(seed: int) -> dict[str, int]:
+    """How many placements were caged by proof, and how often the flood fill disagreed, either way."""
+    rng, counts = np.random.default_rng(seed), {"caged": 0, "escapes": 0, "unsound": 0, "too_cautious": 0}
+    loop = hollow(seed, GRID)
+    if loop is None:
+        return counts
+    cages = [kind(Boundary.of([loop]), EXACT) for kind in (squeezing, stretching)]
+    for caging, sign in zip(cages, (1, -1), strict=True):
+        depth = caging.levels.escape - caging.basins.lowest
+        deepest = int(np.where(np.isfinite(depth), depth, 0.0).argmax())
+        level = sign * float(caging.levels.escape[deepest])
+        if depth[deepest] < 7 * GRID:
+            continue
+        minima = caging.minima
+        in_deepest = caging.basins.of_node[minima.vertex, minima.edge] == deepest
+        bottoms = minima.points(caging.boundary)[in_deepest]
+        for apart in (level - 3.5 * GRID, level + 3.5 * GRID):
+            points = placements(loop, bottoms, apart, rng)
+            escapes = ways_out(loop, apart, GRID)
+            found = [limits(each, points) for each in cages]
+            near = np.any([np.abs(each.escape - apart) < 3 * GRID for each in found], axis=0)
+            held = np.any([each.caged for each in found], axis=0)
+            for placement, caged in zip(points[~near], held[~near], strict=True):
+                out = escapes(placement)
+                if out is not None:
+                    counts["caged" if caged else "escapes"] += 1
+                    counts["unsound"] += int(caged and out)
+                    counts["too_cautious"] += int(not caged and not out)
+    return counts
+
+
+@pytest.mark.parametrize("seed", [3, 6, 7, 16, 17, 20, 22, 31])
+def test_no_way_out_of_a_proven_cage(seed: int) -> None:
+    counts = count_against_flood(seed)
+    assert counts["caged"] > 40
+    assert counts["escapes"] > 40
+    assert counts["unsound"] == counts["too_cautious"] == 0
+
+
+@pytest.mark.slow
+def test_no_way_out_of_thousands_of_proven_cages() -> None:
+    every = [count_against_flood(seed) for seed in range(400)]
+    total = {key: sum(each[key] for each in every) for key in every[0]}
+    assert total["caged"] > 10_000
+    assert total["unsound"] == 0
+    assert total["too_cautious"] < 0.001 * total["escapes"]  # the flood cannot pass gaps of a few cells
+
+
+@given(st.integers(1, 60).flatmap(lambda k: st.lists(st.integers(0, k - 1), min_size=k, max_size=k)))
+def test_parts_of_a_graph_are_scipys(ways: list[int]) -> None:
+    k = len(ways)
+    graph = csr_matrix((np.ones(k), ways, np.arange(k + 1)), shape=(k, k))
+    _, expected = connected_components(graph, directed=False)
+    assert merge_tree._components(np.array(ways)).tolist() == expected.tolist()
