@@ -18,7 +18,6 @@ ASKING = (
     Room("cli", ("options, files, tables", "the only one that prints")),
     Room("batch", ("many sources, all cores,", "resumable")),
     Room("job", ("what to do with", "every cloud")),
-    Room("comparison", ("with the paper's", "reference [1]")),
 )
 READING = (
     Room("recordings", ("containers and messages;", "knows nothing of grasping")),
@@ -30,12 +29,19 @@ PLACED = ("points", "Cloud")
 WORKING = (
     Room("sensor", ("where the", "sensor was")),
     Room("scene", ("support plane,", "objects on it")),
-    Room("planner", ("the paper's", "section III; proofs")),
+    Room("planner", ("the paper's", "section III")),
+    Room("proof", ("cages,", "force closure")),
     Room("robot", ("poses, joints,", "reach")),
     Room("results", ("JSON, tables,", "pictures")),
 )
-PASSED = ("Sensor", "Objects", "Grasps", "Plan")
+PASSED = ("Sensor", "Objects", "Grasps", "Proofs", "Plan")
 """What goes from each working room to the next."""
+ASKED = (
+    Room("surroundings", ("what stands around, along the approach,", "and what of it was seen")),
+    Room("ranking", ("what makes one grasp", "better than another")),
+    Room("methods", ("the paper's, and its", "reference [1], by name")),
+    Room("funnel", ("what each stage keeps,", "and why nothing is left")),
+)
 UNDERLYING = (
     Room("profiles", ("grippers, robots, settings:", "YAML, checked")),
     Room("model", ("the records", "that flow")),
@@ -43,9 +49,9 @@ UNDERLYING = (
     Room("errors", ("what can go wrong,", "with its exit code")),
 )
 COMPOSING = Room("planning", ("plan(cloud, gripper, settings) → Plan: composes sensor, scene, planner and robot",))
-ROOMS = (*ASKING, *READING, COMPOSING, *WORKING, *UNDERLYING)
+ROOMS = (*ASKING, *READING, COMPOSING, *WORKING, *ASKED, *UNDERLYING)
 
-WIDTH, HEIGHT, MARGIN, GAP = 1000, 520, 10, 66
+WIDTH, HEIGHT, MARGIN, GAP = 1000, 632, 10, 60
 INK, LINE, PAPER = "#1b1f24", "#57606a", "#ffffff"
 ASK, COMPOSE, WORK, UNDERLIE = "#ddeeff", "#fff3cd", "#e2f2df", "#eceef1"
 
@@ -60,8 +66,10 @@ def svg() -> str:
         *_box(COMPOSING, (MARGIN, 232, WIDTH - 2 * MARGIN, 52), COMPOSE),
         *_row(WORKING, 306, WORK, GAP),
         *_arrows(PASSED, 306 + 42),
-        _text(MARGIN, 418, "What everything stands on: imports go down, never up", "start"),
-        *_row(UNDERLYING, 430, UNDERLIE, GAP / 3),
+        _text(MARGIN, 418, "What the method asks", "start"),
+        *_row(ASKED, 430, COMPOSE, GAP / 3),
+        _text(MARGIN, 530, "What everything stands on: imports go down, never up", "start"),
+        *_row(UNDERLYING, 542, UNDERLIE, GAP / 3),
     ]
     head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" font-family="sans-serif">'
     arrow = (
