@@ -12,27 +12,9 @@ from hypothesis import strategies as st
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import FingerCandidates
 from flatgrasp_cli.planner import balance
-from flatgrasp_cli.planner.fingers import EITHER_JAW
+from tests.by_hand import candidates
 
 seeds = st.integers(0, 2**32 - 1)
-
-
-def candidates(contacts: FloatArray, directions: FloatArray, jaws: list[int] | None = None) -> FingerCandidates:
-    n = len(contacts)
-    return FingerCandidates(
-        loop=np.zeros(n, dtype=np.intp),
-        start=contacts,
-        end=contacts,
-        contact=contacts,
-        direction=directions,
-        width=np.full(n, 0.02),
-        jaw=np.array(jaws if jaws is not None else [EITHER_JAW] * n, dtype=np.intp),
-        arcs=np.repeat(contacts[:, None], 3, axis=1),
-        variance=np.zeros(n),
-        arc_ratio=np.ones(n),
-        hidden=np.zeros(n),
-        seen=np.ones(n, dtype=np.bool_),
-    )
 
 
 def random_candidates(seed: int, n: int = 12) -> FingerCandidates:
