@@ -15,6 +15,7 @@ from flatgrasp_cli.model import FingerCandidates, Floor, GraspCandidates, Object
 from flatgrasp_cli.planner.fingers import EITHER_JAW
 
 MM = 1e-3
+TABLE_M = 0.3
 WORLD = Frame(np.zeros(3), np.eye(3))
 Relief = Callable[[FloatArray, FloatArray], FloatArray]
 """Heights (…) over places x and y (…), metres."""
@@ -67,11 +68,11 @@ def across(widths_m: Sequence[float] | FloatArray, **columns: Any) -> tuple[Fing
 def on_table(
     relief: Relief, *, others: Relief | None = None, sensor: Sequence[float] = (0.0, 0.0, 1.0), pitch_m: float = 1 * MM
 ) -> ObjectCloud:
-    """The object that stands out of a table of 40 cm, z = 0: the places where `relief` is higher than that.
+    """The object that stands out of a table of 30 cm, z = 0: the places where `relief` is higher than that.
 
     Points lie `pitch_m` apart, without noise. What `others` says to be higher than the table is in the object's way.
     """
-    steps = np.arange(-0.2, 0.2 + 0.5 * pitch_m, pitch_m)
+    steps = pitch_m * (np.arange(round(TABLE_M / pitch_m)) - 0.5 * (round(TABLE_M / pitch_m) - 1))
     x, y = (axis.ravel() for axis in np.meshgrid(steps, steps))
     own = relief(x, y)
     other = others(x, y) if others else np.zeros(len(x))
