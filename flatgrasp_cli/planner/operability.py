@@ -13,11 +13,6 @@ from flatgrasp_cli.planner.grasping_range import extents, half_widths
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import HandSettings
 
-SINK_M = 0.002
-"""A pad may come to rest this far, and half its width, below the highest point of its stretch of boundary."""
-MAX_CELLS = 20_000
-"""Pairs × edges worked on at once: as much as stays in a processor's cache."""
-
 
 def operable(
     outline: Silhouette,
@@ -68,16 +63,17 @@ def swept_fit(
     tolerance without a gap leaves none.
     """
     points, breaks = closed_chain(silhouette.loops)
-    level = extents(fingers, grasps) + tolerance_m
+    reach = extents(fingers, grasps)
+    level = reach + tolerance_m
     pads, room = np.empty((2, len(grasps))), np.empty((2, len(grasps)))
-    for part in chunks(len(grasps), len(points), MAX_CELLS):
+    for part in chunks(len(grasps), len(points)):
         x, y = in_frames(points, grasps.middle[part], grasps.axis[part])
         outline = Chain(x, y, slopes(x, y), breaks)
         for side, seen in ((0, outline.flipped()), (1, outline)):
             pads[side, part], room[side, part] = _jaw_fit(
                 seen, level[side, part], gripper.jaws[side], gripper.finger_width_m
             )
-    sunk = level - pads > SINK_M + half_widths(gripper)  # it rests on something else than its candidate
+    sunk = reach - pads > half_widths(gripper)  # it rests on something else than its candidate
     return pads, np.where(sunk, 0.0, room)
 
 
@@ -110,7 +106,7 @@ def eq2_fit(
     vertices = np.concatenate(silhouette.loops)
     half = 0.5 * grasps.distance
     free = np.empty((2, len(grasps)), dtype=np.bool_)
-    for part in chunks(len(grasps), len(vertices), MAX_CELLS):
+    for part in chunks(len(grasps), len(vertices)):
         x, y = in_frames(vertices, grasps.middle[part], grasps.axis[part])
         in_strip = np.abs(x) <= 0.5 * gripper.hand_width_m
         begin = half[part] + tolerance_m

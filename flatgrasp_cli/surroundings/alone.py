@@ -13,9 +13,6 @@ from flatgrasp_cli.model import FingerCandidates, GraspCandidates, Silhouette
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import HandSettings, PlannerSettings
 
-MAX_CELLS = 20_000
-"""Hands × points worked on at once: as much as stays in a processor's cache."""
-
 
 @dataclass(frozen=True, slots=True)
 class Alone:
@@ -88,7 +85,7 @@ def palm_intrusion(outline: Silhouette, hand_centers: FloatArray, axes: FloatArr
     if not tall.any():
         return intrusion
     points, excess = outline.points[tall], outline.heights[tall] - gripper.finger_length_m
-    for part in chunks(len(hand_centers), len(points), MAX_CELLS):
+    for part in chunks(len(hand_centers), len(points)):
         x, y = in_frames(points, hand_centers[part], axes[part])
         inside = (np.abs(x) <= 0.5 * gripper.hand_width_m) & (np.abs(y) <= 0.5 * gripper.palm_m)
         intrusion[part] = np.where(inside, excess[:, None], 0.0).max(axis=0)

@@ -14,7 +14,6 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.geometry.range_image import RangeImage
-from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.geometry.spacing import spacing
 from flatgrasp_cli.model import ObjectCloud, OrientedBox, SupportPlane
 from flatgrasp_cli.profiles.settings import PlannerSettings
@@ -40,7 +39,7 @@ MIN_CELL_M = 0.002
 """Cells of height maps: the points' spacing, but no smaller than what matters to a finger."""
 HANGING_M, MOST_HANGING_M = 0.02, 0.04
 """Something that begins higher than the first and is nowhere larger than the second may hang in the air."""
-BELOW, FREE_SHARE, BELOW_SAMPLES = (0.25, 0.5), 0.5, 200
+BELOW, FREE_SHARE = (0.25, 0.5), 0.5
 """Heights, as shares of the object's own, at which free space below it is looked for, and how much of it tells that it
 hangs; the number of points that it is looked for at."""
 
@@ -150,9 +149,8 @@ def hanging_m(whole: Place) -> float:
     low = float(local[:, 2].min())
     if low < HANGING_M or float(np.ptp(local, axis=0).max()) > MOST_HANGING_M:
         return 0.0
-    x, y, _ = np.tile(local[spread_indices(len(local), BELOW_SAMPLES)], (len(BELOW), 1)).T
-    heights = np.repeat(np.multiply(BELOW, low), len(x) // len(BELOW))
-    hidden = whole.surroundings.view.hides(np.stack([x, y, heights]), BEHIND_M)
+    x, y = np.tile(local[:, :2].T, len(BELOW))
+    hidden = whole.surroundings.view.hides(np.stack([x, y, np.repeat(np.multiply(BELOW, low), len(local))]), BEHIND_M)
     return low if 1 - hidden.mean() >= FREE_SHARE else 0.0
 
 
