@@ -83,7 +83,7 @@ def test_points_on_a_line_of_a_metre_span_a_plane_from_a_tenth_of_a_millimetre_o
     assert (oriented_box(line, UP, "pca") is not None) == spans
 
 
-@pytest.mark.parametrize(("size_m", "spans"), [(1e-7, False), (8e-7, True)])
+@pytest.mark.parametrize(("size_m", "spans"), [(2.5e-7, False), (5e-7, True)])
 def test_points_closer_than_single_precision_tells_are_one(size_m: float, spans: bool) -> None:
     ball = np.random.default_rng(0).uniform(-0.5, 0.5, (500, 3)) * size_m
     assert (oriented_box(ball, UP, "pca") is not None) == spans
