@@ -46,7 +46,7 @@ TESTS = {
     SETTINGS: ("fingers", "balance", "analytic", "scene", "depth"),
 }
 """The tests that could notice, the quickest first."""
-SECONDS = 600
+SECONDS = 300
 """A change that makes the tests run longer than this is noticed, too."""
 NO_QUANTITY = {
     "EITHER_JAW": "a name",

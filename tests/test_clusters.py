@@ -67,28 +67,30 @@ class TestWhatStandsOut:
         points = table(lambda x, _y: 1.5 * MM * np.sin(2 * np.pi * x / 0.025), bump(height_mm, 40))
         assert count(points, noise_mm=0.8) == objects
 
-    def test_a_card_wider_than_ripples_is_no_ripple(self) -> None:
-        """3 mm high and 70 mm wide, on a table that bends by 2 mm over 0.3 m: all of it stands out."""
-        bend: Relief = lambda x, _y: 2 * MM * np.cos(2 * np.pi * x / 0.3)
-        points = table(bend, bump(3, 70), side_mm=300, noise_mm=1)
-        clusters = found(points, noise_mm=1.0)
+    def test_a_card_that_is_narrower_than_8_cm_is_no_ripple(self) -> None:
+        """Though it is as low as the plane's points may be: the plane's own level is that of its surroundings."""
+        points = table(bump(3.5, 40), noise_mm=1.3)
+        clusters = found(points, noise_mm=1.3)
         assert len(clusters.members) == 1
-        assert np.ptp(points[clusters.members[0], :2], axis=0) == pytest.approx([0.07, 0.07], abs=10 * MM)
+        assert np.ptp(points[clusters.members[0], :2], axis=0) == pytest.approx([0.04, 0.04], abs=8 * MM)
 
     def test_a_die_of_15_mm_is_found(self) -> None:
         assert count(table(bump(8, 15, (30, -20)), pitch_mm=2)) == 1
 
-    def test_a_rod_of_6_mm_is_found_in_noise_of_2(self) -> None:
+    def test_a_block_of_6_mm_is_found_in_noise_of_more_than_half_of_that(self) -> None:
+        """What no cell tells by itself, nine do."""
         for seed in range(4):
-            points = table(bump(6, 6, length_mm=120), noise_mm=2.0, seed=seed)
-            clusters = found(points, noise_mm=2.0)
-            assert len(clusters.members) == 1
-            assert np.ptp(points[clusters.members[0], 0]) == pytest.approx(0.12, abs=0.02)
+            assert count(table(bump(6, 40), noise_mm=3.5, seed=seed), noise_mm=3.5) == 1
 
     def test_the_tables_points_at_an_objects_foot_are_not_its_own(self) -> None:
         points = table(bump(40, 40), noise_mm=1, pitch_mm=2)
         own = points[found(points, noise_mm=1.0).members[0]]
-        assert np.count_nonzero(own[:, 2] < 10 * MM) < 0.02 * len(own)
+        assert np.count_nonzero(own[:, 2] < 10 * MM) < 3
+
+    def test_three_points_in_the_air_lift_no_cell_of_the_table(self) -> None:
+        flying = MM * np.array([[50.0, 50, 200], [53, 50, 200], [50, 53, 200]])
+        clusters = found(np.vstack([table(bump(20, 30)), flying]))
+        assert (len(clusters.members), len(clusters.clutter)) == (1, 0)
 
     def test_nothing_far_below_the_table_counts(self) -> None:
         """Reflections 6 standard deviations down, as many as the table's own points: the block has all of its own."""
@@ -109,9 +111,9 @@ class TestHowLarge:
     def test_12_mm_square_are_no_outlier(self, width_mm: float, objects: int) -> None:
         assert count(table(bump(20, width_mm))) == objects
 
-    @pytest.mark.parametrize(("width_mm", "objects"), [(16, 0), (32, 1)])
+    @pytest.mark.parametrize(("width_mm", "objects"), [(20, 0), (28, 1)])
     def test_nor_are_30_points(self, width_mm: float, objects: int) -> None:
-        """16, and 64, 4 mm apart."""
+        """25, and 49, 4 mm apart."""
         assert count(table(bump(4, width_mm), pitch_mm=4, side_mm=400)) == objects
 
     @pytest.mark.parametrize(("length_mm", "objects"), [(500, 1), (900, 0)])

@@ -12,7 +12,7 @@ from flatgrasp_cli.geometry.raster import Raster
 
 COARSE_CELL_M = 0.01
 POINTS_PER_CELL = 4.0
-CELL_RANGE_M = (0.002, 0.02)
+LEAST_CELL_M = 0.002
 LEVEL_WINDOW_M = 0.08
 """The plane's own level is averaged over a square of this side: wider than ripple is narrow."""
 
@@ -48,7 +48,7 @@ def fitting_cell_m(x: FloatArray, y: FloatArray, every: float = 1.0) -> float:
     coarse = Raster.over(low, high, COARSE_CELL_M * np.sqrt(every))
     count = coarse.count(coarse.cells_within(x, y))
     density = every * float(np.median(count[count > 0])) / coarse.cell_m**2
-    return float(np.clip(np.sqrt(POINTS_PER_CELL / density), *CELL_RANGE_M))
+    return float(max(LEAST_CELL_M, np.sqrt(POINTS_PER_CELL / density)))
 
 
 def smoothed(values: FloatArray, where: BoolArray | IntArray, cells: int) -> FloatArray:
