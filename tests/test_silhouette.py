@@ -45,14 +45,14 @@ def test_the_disc_grows_with_the_points_spacing() -> None:
     assert outlined(grid(PLATE, pitch_mm=3)).alpha_m == pytest.approx(12 * MM, rel=0.01)  # the sixth neighbour's, twice
 
 
-@pytest.mark.parametrize(("apart_mm", "size_mm", "whole"), [(20, 8, False), (20, 24, True)])
+@pytest.mark.parametrize(("apart_mm", "size_mm", "whole"), [(30, 8, False), (30, 24, True)])
 def test_a_detached_piece_counts_if_it_is_more_than_a_tenth(apart_mm: float, size_mm: float, whole: bool) -> None:
     """4 % are left out; of 16 % the gap is bridged, by a disc hardly larger than that takes."""
     piece = shapely.box(60 + apart_mm, -20, 60 + apart_mm + size_mm, 20)
     small = shapely.box(60 + apart_mm, -10, 60 + apart_mm + size_mm, 10)
     outline = outlined(grid(PLATE, piece if whole else small, pitch_mm=1))
     assert (outline.loops[0][:, 0].max() > 0.07) == whole
-    assert outline.alpha_m < 25 * MM
+    assert outline.alpha_m < 60 * MM
 
 
 @pytest.mark.parametrize(("tooth_mm", "kept"), [(0.3, False), (1.0, True)])

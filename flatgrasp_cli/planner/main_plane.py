@@ -12,9 +12,11 @@ from flatgrasp_cli.geometry.rectangle import minimum_area_axis
 from flatgrasp_cli.model import OrientedBox, SupportPlane
 
 FLATTEST_RATIO = 1e-4
-"""Middle over major standard deviation under which points count as lying on a line."""
+"""Ratio of the middle standard deviation to the major one below which points lie on a line: a tenth of a millimetre to
+a metre, which no depth sensor resolves."""
 SMALLEST_SPREAD_M = 1e-7
-"""Middle standard deviation under which all points count as one."""
+"""Middle standard deviation below which all points are one, metres: single precision, in which clouds are recorded,
+resolves no less at a metre."""
 
 
 def principal_axes(centred: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -39,8 +41,8 @@ def oriented_box(
     PCL's MomentOfInertiaEstimation does, which the paper describes), or those of the smallest rectangle around the
     projection (`min_area`), which does not turn with the density of the points.
 
-    On a `support` plane the main plane is parallel to it and the box stands on it: what a sensor above sees of an
-    object tells neither its minor axis nor its bottom.
+    On a `support` plane the main plane is parallel to it and the box stands on it: a sensor above sees too little of
+    an object to tell its minor axis, and nothing of its bottom.
     """
     if len(points) < 3:
         return None

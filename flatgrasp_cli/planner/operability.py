@@ -46,7 +46,7 @@ def operable(
 def _beyond_hidden_sides(
     fingers: FingerCandidates, grasps: GraspCandidates, pads: FloatArray, room: FloatArray, widest_m: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Pads and room (2, p), each pad as far out as the object probably goes on unseen, if the hand opens so far."""
+    """Pads and room (2, p), each pad as far out as the object probably reaches unseen, if the hand opens so far."""
     hidden = np.stack([fingers.hidden[grasps.i], fingers.hidden[grasps.j]])
     spare, total = np.maximum(widest_m - pads.sum(axis=0), 0.0), hidden.sum(axis=0)
     hidden = hidden * np.minimum(1.0, spare / np.where(total > 0, total, 1.0))
@@ -58,9 +58,10 @@ def swept_fit(
 ) -> tuple[FloatArray, FloatArray]:
     """Exact: where the pads come to rest and how far each finger could back off, (2, p) each, by the whole outline.
 
-    Each finger sweeps a strip of its width along the closing axis. Boundary up to `tolerance_m` beyond the candidate's
-    own reach is what the pad rests on; the next boundary outward ends the room, and boundary that runs on past the
-    tolerance without a gap leaves none.
+    Each finger sweeps a strip of its width along the closing axis. A pad rests on the outermost boundary that lies no
+    more than `tolerance_m` beyond its candidate's own reach. The next boundary outward ends the room; where boundary
+    runs on past the tolerance without a gap, there is none. Nor is there any for a pad that comes to rest half its
+    width below its candidate: it rests on something else.
     """
     points, breaks = closed_chain(silhouette.loops)
     reach = extents(fingers, grasps)
@@ -73,7 +74,7 @@ def swept_fit(
             pads[side, part], room[side, part] = _jaw_fit(
                 seen, level[side, part], gripper.jaws[side], gripper.finger_width_m
             )
-    sunk = reach - pads > half_widths(gripper)  # it rests on something else than its candidate
+    sunk = reach - pads > half_widths(gripper)
     return pads, np.where(sunk, 0.0, room)
 
 
@@ -99,9 +100,9 @@ def _jaw_fit(
 def eq2_fit(
     silhouette: Silhouette, grasps: GraspCandidates, gripper: Gripper, tolerance_m: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Eq. (2) as printed: no hull point with |x| ≤ w_h/2 and d/2 ≤ |y| ≤ w_o, d the contacts' distance.
+    """Eq. (2) as printed: no hull point with |x| ≤ w_h/2 and d/2 ≤ |y| ≤ w_o, d being the contacts' distance.
 
-    Pads and room are (2, p). `tolerance_m` is added to d/2: the contacts themselves satisfy the printed inequality.
+    Pads and room are (2, p). `tolerance_m` is added to d/2, for the contacts themselves satisfy the inequality.
     """
     vertices = np.concatenate(silhouette.loops)
     half = 0.5 * grasps.distance
