@@ -1,10 +1,11 @@
-"""Which number could be grossly wrong without a test that notices?
+"""Which number could be grossly wrong without a test that notices? Changes them one at a time and runs the tests.
 
     nice python benchmarks/constants.py [planner scene surroundings ranking settings] [NAME ...]
 
-Every numeric constant of these rooms' modules, and every number of configs/planner/default.yaml, is made three times as
-large and a third, one at a time, of a tuple one member at a time. The tests run with that, in a process forked for it,
-until one fails. A hundred changes take half an hour: name rooms, or constants (`LIMB_M`, `gap_m`), to try those alone.
+Every numeric constant of these rooms' modules and every number of configs/planner/default.yaml is made three times as
+large and a third, one at a time (of a tuple, one member at a time; an array as a whole). With that the room's tests run
+in a process forked for it, until one fails. What passes is printed. All of them take half an hour: name rooms, or
+constants (`LIMB_M`, `gap_m`), to try those alone.
 """
 
 from __future__ import annotations
@@ -39,25 +40,20 @@ ROOT = Path(__file__).resolve().parent.parent
 ROOMS = ("planner", "scene", "surroundings", "ranking")
 SETTINGS = "settings"
 TESTS = {
-    "planner": ("fingers", "hand", "balance", "analytic", "depth"),
-    "scene": ("scene", "depth"),
-    "surroundings": ("depth",),
-    "ranking": ("analytic", "depth"),
-    SETTINGS: ("fingers", "balance", "analytic", "scene", "depth"),
+    "planner": ("silhouette", "fingers", "balance", "hand", "analytic", "depth"),
+    "scene": ("strays", "clusters", "support_plane", "scene", "depth"),
+    "surroundings": ("walls", "sight", "places", "descent", "depth"),
+    "ranking": ("ranking", "analytic", "depth"),
+    SETTINGS: (
+        *("ranking", "silhouette", "fingers", "balance", "hand", "walls", "places", "descent", "clusters"),
+        *("support_plane", "caging_settings", "analytic", "scene", "depth"),
+    ),
 }
 """The tests that could notice, the quickest first."""
 SECONDS = 300
 """A change that makes the tests run longer than this is noticed, too."""
-NO_QUANTITY = {
-    "EITHER_JAW": "a name",
-    "seed": "any will do",
-    "MAX_CELLS": "speed and memory alone",
-    "MAX_PAIRS": "speed alone",
-    "BLOCK": "speed alone",
-    "ROW": "speed alone",
-    "NEIGHBOURS_AT_ONCE": "speed alone",
-}
-"""Numbers that no result depends on."""
+NO_QUANTITY = {"EITHER_JAW", "seed", "MAX_CELLS", "MAX_PAIRS", "BLOCK", "ROW", "NEIGHBOURS_AT_ONCE"}
+"""A name, what any number will do for, and how much is worked on at once (tests/test_at_once.py)."""
 PASSED, FAILED, REFUSED = 0, 1, 2
 
 

@@ -96,12 +96,10 @@ def test_gamma_uses_half_of_the_friction_cone(turned_deg: float, kept: bool, pr2
     """With μ = 0.5 the cone is 26.6° to either side."""
     limits = load_settings().resolve(pr2).balance
     turn = np.radians(90 + turned_deg)
-    fingers = candidates(
-        np.array([[0.0, -0.02], [0.0, 0.02]]), np.array([[0.0, 1.0], [-np.cos(turn), -np.sin(turn)]])
-    )
+    fingers = candidates(np.array([[0.0, -0.02], [0.0, 0.02]]), np.array([[0.0, 1.0], [-np.cos(turn), -np.sin(turn)]]))
     gamma, funnel = balance.force_balance(fingers), Funnel()
     if kept:
         assert len(balance.force_balanced(fingers, gamma, limits, funnel)) == 1
     else:
-        with pytest.raises(NothingLeft, match="allowed 26.6"):
+        with pytest.raises(NothingLeft, match=r"allowed 26\.6"):
             balance.force_balanced(fingers, gamma, limits, funnel)

@@ -55,7 +55,7 @@ def wavy(height_mm: float, waves: int = 20, radius_mm: float = 60) -> FloatArray
     """A disc around which the boundary runs in and out by so much, as a loop (n, 2)."""
     radius = radius_mm + 0.5 * height_mm * (-1.0) ** np.arange(2 * waves)
     angles = np.pi * np.arange(2 * waves) / waves
-    return MM * radius[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
+    return np.asarray(MM * radius[:, None] * np.column_stack([np.cos(angles), np.sin(angles)]))
 
 
 @pytest.mark.parametrize(("height_mm", "kept"), [(0.6, False), (2, True)])

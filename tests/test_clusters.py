@@ -30,6 +30,11 @@ def bump(
     return relief
 
 
+def waves(height_mm: float, length_mm: float) -> Relief:
+    """The relief of waves along x, so far up and down."""
+    return lambda x, _y: height_mm * MM * np.sin(2 * np.pi * x / (length_mm * MM))
+
+
 def table(
     *reliefs: Relief, side_mm: float = 200, pitch_mm: float = 1, noise_mm: float = 0.2, seed: int = 0
 ) -> FloatArray:
@@ -64,7 +69,7 @@ class TestWhatStandsOut:
     @pytest.mark.parametrize(("height_mm", "objects"), [(4, 0), (12, 1)])
     def test_on_a_table_with_ripples_four_times_their_deviation_do(self, height_mm: float, objects: int) -> None:
         """Ripples of 1.5 mm, 25 mm long: no plane's noise, which averages out, but as good as that."""
-        points = table(lambda x, _y: 1.5 * MM * np.sin(2 * np.pi * x / 0.025), bump(height_mm, 40))
+        points = table(waves(1.5, 25), bump(height_mm, 40))
         assert count(points, noise_mm=0.8) == objects
 
     def test_a_card_that_is_narrower_than_8_cm_is_no_ripple(self) -> None:
@@ -76,8 +81,7 @@ class TestWhatStandsOut:
 
     def test_a_block_on_waves_of_20_cm_is_found(self) -> None:
         """Of 2 mm up and down, as of a sensor's distortion: the plane's level follows them."""
-        waves: Relief = lambda x, _y: 2 * MM * np.sin(2 * np.pi * x / 0.2)
-        assert count(table(waves, bump(4, 30), side_mm=300, noise_mm=0.8), noise_mm=0.8) == 1
+        assert count(table(waves(2, 200), bump(4, 30), side_mm=300, noise_mm=0.8), noise_mm=0.8) == 1
 
     def test_a_die_of_15_mm_is_found(self) -> None:
         assert count(table(bump(8, 15, (30, -20)), pitch_mm=2)) == 1
@@ -107,8 +111,7 @@ class TestWhatStandsOut:
 
     def test_a_table_that_bends_by_twice_its_noise_is_one(self) -> None:
         """The block stands where it is highest."""
-        bend: Relief = lambda x, _y: 2 * MM * np.sin(2 * np.pi * x / 0.4)
-        assert count(table(bend, bump(20, 30, (60, 0)), side_mm=240, noise_mm=0.2), noise_mm=1.0) == 1
+        assert count(table(waves(2, 400), bump(20, 30, (60, 0)), side_mm=240, noise_mm=0.2), noise_mm=1.0) == 1
 
 
 class TestHowLarge:
@@ -163,14 +166,17 @@ class TestWhere:
     def test_three_tenths_of_the_table_lie_outside_of_all_objects(self, ring_mm: float, lies: bool) -> None:
         """Else it is the floor of a pan. Its rim is a ring of that size, with a gap, on a square of 200 mm."""
         outer, inner = bump(20, ring_mm), bump(20, ring_mm - 12)
-        rim: Relief = lambda x, y: np.where((x > 0) & (np.abs(y) < 10 * MM), 0.0, outer(x, y) - inner(x, y))
+
+        def rim(x: FloatArray, y: FloatArray) -> FloatArray:
+            return np.where((x > 0) & (np.abs(y) < 10 * MM), 0.0, outer(x, y) - inner(x, y))
+
         clusters = found(table(rim))
         assert len(clusters.members) == 1
         assert clusters.lie_on_table == lies
 
     @pytest.mark.parametrize(("beyond_mm", "looked_at"), [(70, True), (140, False)])
     def test_10_cm_beyond_the_table_are_looked_at(self, beyond_mm: float, looked_at: bool) -> None:
-        post = table(lambda x, _y: 0 * x + 50 * MM, side_mm=20) + [(100 + beyond_mm) * MM, 0, 0]
+        post = table(lambda x, _y: 0 * x + 50 * MM, side_mm=20) + np.array([(100 + beyond_mm) * MM, 0.0, 0.0])
         points = np.vstack([table(bump(20, 30)), post])
         assert (len(found(points).clutter) > 100) == looked_at
 
@@ -200,8 +206,7 @@ class TestFloor:
         assert np.std(levels[levels > UNSEEN]) < 0.15 * MM
 
     def test_and_follows_a_bend_of_a_decimetre(self) -> None:
-        bend: Relief = lambda x, _y: 1.5 * MM * np.sin(2 * np.pi * x / 0.1)
-        levels = found(table(bend, side_mm=300), noise_mm=1.0).floor.levels.heights
+        levels = found(table(waves(1.5, 100), side_mm=300), noise_mm=1.0).floor.levels.heights
         assert np.max(levels) > 1.2 * MM
 
 

@@ -101,7 +101,9 @@ class TestUnderFingers:
         rest = HeightMap.of(MM * table, 1 * MM)
         return rest, rest.raised(MM * own)
 
-    def under(self, *charts: HeightMap) -> tuple[float, float]:
+    @staticmethod
+    def under(charts: tuple[HeightMap, HeightMap]) -> tuple[float, float]:
+        """Highest point below the fingers, and length of their way that no ray reached, millimetres."""
         _, grasps = across([0.04])
         highest, unseen = under_fingers(grasps, np.array([[0.02]]), *charts, PR2, 0.002)
         return float(highest[0, 0]) / MM, float(unseen[0, 0]) / MM
@@ -110,11 +112,11 @@ class TestUnderFingers:
     def test_within_5_mm_of_the_pad_the_object_may_be_what_it_rests_on(
         self, own_mm: tuple[float, float], met_mm: float
     ) -> None:
-        assert self.under(*self.charts(own_mm))[0] == pytest.approx(met_mm)
+        assert self.under(self.charts(own_mm))[0] == pytest.approx(met_mm)
 
     @pytest.mark.parametrize(("seen_mm", "unseen_mm"), [(100, 0), (39, 10), (-100, 58)])
     def test_the_length_that_no_ray_reached_is_that_of_both_sides(self, seen_mm: float, unseen_mm: float) -> None:
-        assert self.under(*self.charts((0, 0), seen_mm))[1] == pytest.approx(unseen_mm, abs=1.5)
+        assert self.under(self.charts((0, 0), seen_mm))[1] == pytest.approx(unseen_mm, abs=1.5)
 
     @pytest.mark.parametrize(("others_mm", "cause"), [(29.5, "neighbours"), (28, "itself")])
     def test_what_is_a_millimetre_lower_without_the_objects_points_is_the_object(

@@ -202,5 +202,5 @@ def test_a_boundary_that_strays_by_an_eighth_of_the_pads_width_is_not_flat(stray
     if kept:
         assert len(flat(fingers, pairs, hand, funnel)) == 1
     else:
-        with pytest.raises(NothingLeft, match="allowed 0.120"):
+        with pytest.raises(NothingLeft, match=r"allowed 0\.120"):
             flat(fingers, pairs, hand, funnel)

@@ -70,7 +70,7 @@ def extent_mm(relief_mm: Relief, fall_deg: float) -> float:
     """How far what has that relief goes on beyond the chord, for a sensor so high above the horizon of the limb."""
     limb_mm = float(relief_mm(np.zeros(1), np.zeros(1))[0])
     fall = np.radians(fall_deg)
-    sensor = np.array([0.0, np.cos(fall), np.sin(fall)]) + [0, 0, limb_mm * MM]
+    sensor = np.array([0.0, np.cos(fall), np.sin(fall) + limb_mm * MM])
     return float(hidden_extent(AT_ORIGIN, surface(relief_mm), np.array([True]), sensor)[0]) / MM
 
 

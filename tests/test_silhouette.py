@@ -24,7 +24,7 @@ def grid(*shapes: shapely.Geometry, pitch_mm: float = 0.5) -> FloatArray:
     steps = (np.arange(np.floor(low), high + pitch_mm, pitch_mm) for low, high in ((x0, x1), (y0, y1)))
     x, y = (axis.ravel() for axis in np.meshgrid(*steps))
     inside = shapely.contains_xy(shape, x, y)
-    return MM * np.column_stack([x, y, 0 * x])[inside]
+    return np.asarray(MM * np.column_stack([x, y, 0 * x])[inside])
 
 
 def outlined(points: FloatArray) -> Silhouette:

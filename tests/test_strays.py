@@ -31,7 +31,7 @@ class TestFarStrays:
 
     @pytest.mark.parametrize(("share", "stays"), [(0.005, False), (0.02, True)])
     def test_a_hundredth_at_either_end_is_no_bulk(self, share: float, stays: bool) -> None:
-        far = BULK[: round(share * len(BULK))] + [50, 0, 0]
+        far = BULK[: round(share * len(BULK))] + np.array([50.0, 0.0, 0.0])
         assert left_of(BULK, far) == len(BULK) + stays * len(far)
 
 

@@ -29,7 +29,8 @@ def plane(
 
 
 def scattered(share: float) -> FloatArray:
-    return np.random.default_rng(9).uniform(-0.3, 0.3, (round(10_000 * share), 3)) + [0, 0, 0.1]
+    box = np.random.default_rng(9).uniform(-0.3, 0.3, (round(10_000 * share), 3))
+    return np.asarray(box + np.array([0.0, 0.0, 0.1]))
 
 
 def support(*parts: FloatArray, sensor: Sensor = ABOVE, **changes: object) -> SupportPlane | None:
@@ -126,7 +127,8 @@ class TestWhatAViewShows:
 
     @pytest.mark.parametrize(("share", "too_large"), [(0.01, False), (0.04, True)])
     def test_a_fiftieth_at_either_end_may_be_strays(self, share: float, too_large: bool) -> None:
-        far = np.concatenate([scattered(share) - [50, 0, 0], scattered(share) + [50, 0, 0]])
+        away = np.array([50.0, 0.0, 0.0])
+        far = np.concatenate([scattered(share) - away, scattered(share) + away])
         assert ("no view of objects" in (scene_of(np.concatenate([plane(1), far])).reason or "")) == too_large
 
     @pytest.mark.parametrize(

@@ -40,7 +40,8 @@ class TestTheWallsTop:
         assert beside.top[0] == pytest.approx(top_mm * MM)
 
     def test_it_is_the_level_where_nothing_was_seen(self) -> None:
-        nothing = walls(AT_ORIGIN, *[HeightMap.of(np.empty((0, 3)), MM)] * 2, LEVEL_M, FRICTION)
+        empty = HeightMap.of(np.empty((0, 3)), MM)
+        nothing = walls(AT_ORIGIN, empty, empty, LEVEL_M, FRICTION)
         assert (nothing.top[0], nothing.boundary[0], nothing.flank[0]) == (LEVEL_M, LEVEL_M, 0.0)
 
     @pytest.mark.parametrize(("begins_mm", "boundary_mm"), [(3.5, 40), (1.5, 40 + 20 * 2 / 3)])
