@@ -42,6 +42,7 @@ def step_points(silhouette: Silhouette, settings: FingerSettings) -> tuple[StepP
 
 
 def _steps_of_loop(index: int, loop: FloatArray, step_m: float, settings: FingerSettings) -> StepPoints:
+    """Step points of one loop, `step_m` apart in a straight line or along the boundary."""
     if settings.step == "chord":
         positions = polygon.chord_walk(loop, step_m)
     else:

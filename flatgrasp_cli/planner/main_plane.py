@@ -26,6 +26,7 @@ def principal_axes(centred: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def _flattened(centred: FloatArray, normal: FloatArray) -> FloatArray:
+    """Points (3, n) projected along a unit `normal` (3,) to the plane through the origin."""
     return np.asarray(centred - np.outer(normal, normal @ centred))
 
 

@@ -161,6 +161,7 @@ def _standing(
 
 
 def _bridged(mask: BoolArray, gap_cells: float) -> ByteArray:
+    """The mask grown on all sides by half of the gap that is to be bridged."""
     cross = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
     return np.asarray(cv2.dilate(mask.view(np.uint8), cross, iterations=round(0.5 * gap_cells)))
 

@@ -39,4 +39,5 @@ def selected(
 
 
 def _nearest(points: FloatArray, place: FloatArray) -> float:
+    """Distance from a place to the nearest of the points; infinite if there are none."""
     return float(np.linalg.norm(points - place, axis=1).min(initial=np.inf))

@@ -46,6 +46,8 @@ MAD_TO_SIGMA = 1.4826
 
 
 class _Fit(NamedTuple):
+    """A plane, its unit normal (3,) turned to the side that objects stand on, and its share of the points."""
+
     normal: FloatArray
     offset: float
     share: float
@@ -78,6 +80,7 @@ def looks_down(sensor: Sensor, normal: FloatArray, offset: float) -> bool:
 
 
 def _faces(fit: _Fit, sample: FloatArray, sensor: Sensor, settings: SceneSettings) -> bool:
+    """Whether objects could stand on the plane: by the way up or, where that is not given, by the way to the sensor."""
     if settings.up is not None:
         up = np.asarray(settings.up)
         return bool(fit.normal @ up > np.cos(np.radians(settings.max_tilt_deg)) * np.linalg.norm(up))
@@ -108,6 +111,7 @@ def _planes(sample: FloatArray, sensor: Sensor, settings: SceneSettings, seed: i
 
 
 def _tolerance(points: FloatArray, sensor: Sensor) -> FloatArray:
+    """How far (n,) from a plane points (n, 3) may lie to agree with it, metres."""
     if sensor.position is None:
         return np.full(len(points), TOLERANCE_SHARE * TYPICAL_DISTANCE_M)
     apart = points - sensor.position

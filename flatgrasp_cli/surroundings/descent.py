@@ -87,6 +87,7 @@ def descended(
 
 
 def _held(fingers: FingerCandidates, grasps: GraspCandidates, around: OnSupport, gripper: Gripper) -> _Upright:
+    """What the pairs hold, by the walls at both of their finger candidates."""
     friction = around.settings.balance.friction_with(gripper)
     found = walls(fingers, around.maps.surface, around.maps.highest, around.level_m, friction)
     wall = np.minimum(found.top[grasps.i], found.top[grasps.j])

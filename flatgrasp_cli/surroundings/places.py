@@ -161,6 +161,7 @@ def hanging_m(whole: Place) -> float:
 
 
 def _view(cloud: ObjectCloud, frame: Frame, cell_m: float) -> View:
+    """What the sensor saw of the space around an object, for points in `frame`."""
     if cloud.viewpoint is None:
         return View(None, frame, cloud.floor)
     points = frame.to_local(np.concatenate([cloud.points, cloud.obstacles]))
