@@ -13,11 +13,6 @@ from flatgrasp_cli.planner.grasping_range import extents, half_widths
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import HandSettings
 
-SINK_M = 0.002
-"""A pad may come to rest this far, and half its width, below the highest point of its stretch of boundary."""
-MAX_CELLS = 20_000
-"""Pairs × edges worked on at once: as much as stays in a processor's cache."""
-
 
 def operable(
     outline: Silhouette,
@@ -51,7 +46,7 @@ def operable(
 def _beyond_hidden_sides(
     fingers: FingerCandidates, grasps: GraspCandidates, pads: FloatArray, room: FloatArray, widest_m: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Pads and room (2, p), each pad as far out as the object probably goes on unseen, if the hand opens so far."""
+    """Pads and room (2, p), each pad as far out as the object probably reaches unseen, if the hand opens so far."""
     hidden = np.stack([fingers.hidden[grasps.i], fingers.hidden[grasps.j]])
     spare, total = np.maximum(widest_m - pads.sum(axis=0), 0.0), hidden.sum(axis=0)
     hidden = hidden * np.minimum(1.0, spare / np.where(total > 0, total, 1.0))
@@ -63,21 +58,23 @@ def swept_fit(
 ) -> tuple[FloatArray, FloatArray]:
     """Exact: where the pads come to rest and how far each finger could back off, (2, p) each, by the whole outline.
 
-    Each finger sweeps a strip of its width along the closing axis. Boundary up to `tolerance_m` beyond the candidate's
-    own reach is what the pad rests on; the next boundary outward ends the room, and boundary that runs on past the
-    tolerance without a gap leaves none.
+    Each finger sweeps a strip of its width along the closing axis. A pad rests on the outermost boundary that lies no
+    more than `tolerance_m` beyond its candidate's own reach. The next boundary outward ends the room; where boundary
+    runs on past the tolerance without a gap, there is none. Nor is there any for a pad that comes to rest half its
+    width below its candidate: it rests on something else.
     """
     points, breaks = closed_chain(silhouette.loops)
-    level = extents(fingers, grasps) + tolerance_m
+    reach = extents(fingers, grasps)
+    level = reach + tolerance_m
     pads, room = np.empty((2, len(grasps))), np.empty((2, len(grasps)))
-    for part in chunks(len(grasps), len(points), MAX_CELLS):
+    for part in chunks(len(grasps), len(points)):
         x, y = in_frames(points, grasps.middle[part], grasps.axis[part])
         outline = Chain(x, y, slopes(x, y), breaks)
         for side, seen in ((0, outline.flipped()), (1, outline)):
             pads[side, part], room[side, part] = _jaw_fit(
                 seen, level[side, part], gripper.jaws[side], gripper.finger_width_m
             )
-    sunk = level - pads > SINK_M + half_widths(gripper)  # it rests on something else than its candidate
+    sunk = reach - pads > half_widths(gripper)
     return pads, np.where(sunk, 0.0, room)
 
 
@@ -103,14 +100,14 @@ def _jaw_fit(
 def eq2_fit(
     silhouette: Silhouette, grasps: GraspCandidates, gripper: Gripper, tolerance_m: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Eq. (2) as printed: no hull point with |x| ≤ w_h/2 and d/2 ≤ |y| ≤ w_o, d the contacts' distance.
+    """Eq. (2) as printed: no hull point with |x| ≤ w_h/2 and d/2 ≤ |y| ≤ w_o, d being the contacts' distance.
 
-    Pads and room are (2, p). `tolerance_m` is added to d/2: the contacts themselves satisfy the printed inequality.
+    Pads and room are (2, p). `tolerance_m` is added to d/2, for the contacts themselves satisfy the inequality.
     """
     vertices = np.concatenate(silhouette.loops)
     half = 0.5 * grasps.distance
     free = np.empty((2, len(grasps)), dtype=np.bool_)
-    for part in chunks(len(grasps), len(vertices), MAX_CELLS):
+    for part in chunks(len(grasps), len(vertices)):
         x, y = in_frames(vertices, grasps.middle[part], grasps.axis[part])
         in_strip = np.abs(x) <= 0.5 * gripper.hand_width_m
         begin = half[part] + tolerance_m

@@ -27,9 +27,9 @@ def section_three(
     funnel: Funnel,
     top: int,
 ) -> GraspCandidates:
-    """The best `top` grasps of an object, after A.1 and A.2, which made its `shape`.
+    """The best `top` grasps of an object whose `shape` was made by A.1 and A.2.
 
-    The `funnel` counts what each step keeps, and raises `NothingLeft` where that is nothing.
+    The `funnel` counts what each step keeps, and raises `NothingLeft` if that is nothing.
     """
     outline, trace = shape.silhouette, funnel.trace
     # A.3 step points, finger candidates, grasping directions

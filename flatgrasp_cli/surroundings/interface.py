@@ -41,7 +41,7 @@ class Surroundings(Protocol):
         funnel: Funnel,
         /,
     ) -> GraspCandidates:
-        """The pairs to which the hand can come, with the opening to come with and the heights of tips and contacts."""
+        """The pairs to which the hand can come, with its opening on the way and the heights of tips and contacts."""
 
     def cost(self, grasps: GraspCandidates, /) -> FloatArray:
         """What the way there adds to the grasps' cost, metres (p,)."""

@@ -9,12 +9,12 @@ from flatgrasp_cli.geometry.height_map import HeightMap
 
 @dataclass(frozen=True, slots=True, eq=False)
 class HeightMaps:
-    """Heights of a slice and of what it stands on and amid, along the approach.
+    """Heights of a slice, of what it stands on and of what stands around it, along the approach.
 
     `surface` is the mean height of the slice's own points, `average` that of all of the object's. `rest` is the highest
-    of all others that fingers can meet, the free plane being 0 and what no ray reached −inf; `highest` that of
-    everything, for the parts of fingers that are away from the contact, and `coarse` the same in larger cells, for the
-    palm.
+    point of everything else that fingers can meet: 0 where the plane is free, −inf where no ray came. `highest` is that
+    of everything, for the parts of fingers that are away from the contact, and `coarse` the same in larger cells, for
+    the palm.
     """
 
     surface: HeightMap

@@ -1,4 +1,4 @@
-"""An object amid others: on a support plane, or standing before the hand."""
+"""An object among others: on a support plane, or standing before the hand."""
 
 from __future__ import annotations
 
@@ -20,10 +20,11 @@ from flatgrasp_cli.surroundings.walls import upright
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OnSupport:
-    """What a slice above `level_m` stands on and amid, and what the sensor saw of that.
+    """What a slice above `level_m` stands on and among, and what the sensor saw of that.
 
-    Fingertips may end at `lowest_m`, lower beside a part that is too low for that; what is no higher than `ground_m` is
-    no obstacle. Heights are over the support plane, or over what was seen deepest of a standing object.
+    Fingertips may end at `lowest_m`, or lower beside a part that is too low for that. What is no higher than `ground_m`
+    is no obstacle. Heights, in metres, are those over the support plane, or over the deepest point that was seen of a
+    standing object.
     """
 
     level_m: float
@@ -34,7 +35,7 @@ class OnSupport:
     settings: PlannerSettings
 
     def sides(self, fingers: FingerCandidates, funnel: Funnel, /) -> FingerCandidates:
-        """The candidates before upright sides, but for those in holes that were not seen through."""
+        """The candidates before upright sides, except those in holes that the sensor did not see through."""
         if self.level_m > self.lowest_m:
             steep = upright(fingers, self.maps.rest, self.level_m, self.settings.depth.wall_drop)
             fingers = fingers.select(steep)
