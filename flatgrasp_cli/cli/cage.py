@@ -139,4 +139,6 @@ def _figure(outline: _Outline, found: tuple[Immobilisation, ...]) -> Figure | No
 
     if not outline.loops:
         return None
-    return cage_figure(outline.loops, found, Path(outline.source).name, in_metres=outline.thing is not None)
+    name = Path(outline.source).name
+    title = name if outline.thing is None else f"{name}, object {outline.thing}"
+    return cage_figure(outline.loops, found, title, in_metres=outline.thing is not None)

@@ -2,7 +2,8 @@
 
 Its boundary is what a disc of radius α touches when it rolls around the points, and inside each hole that is wide
 enough for it. The disc's centre then runs along the line at distance α from the nearest point. A distance transform
-finds that line, in order, and with it the points: so the outline's vertices are points, and no triangulation is made.
+finds that line, in order, and with it the points: so the silhouette's vertices are points, and no triangulation is
+made.
 """
 
 from __future__ import annotations
@@ -117,8 +118,8 @@ def _turning(ring: FloatArray, sign: float) -> FloatArray:
 def _filled(ring: FloatArray, alpha_m: float) -> FloatArray:
     """The ring (k, 2) without its notches between points that are no farther apart than α.
 
-    Neighbouring points of a straight edge lie a little in and out: as an outline they would be a zigzag. What is filled
-    is at most α·(1 − √3/2) deep.
+    Neighbouring points of a straight edge lie a little in and out: as a silhouette they would be a zigzag. What is
+    filled is at most α·(1 − √3/2) deep.
     """
     for _ in range(FILLINGS):
         before, after = np.concatenate([ring[-1:], ring[:-1]]), following(ring)

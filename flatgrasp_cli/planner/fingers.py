@@ -17,13 +17,14 @@ from flatgrasp_cli.profiles.settings import FingerSettings
 STEPS_PER_PERIMETER = 200
 """Step points on an outer loop, where the range below allows it: 20,000 pairs, which grow with the square."""
 STEP_RANGE_M = (0.002, 0.006)
-"""Shortest and longest derived step, metres: an outline is known to 1 or 2 mm, and a finger is some 10 to 20 mm wide.
+"""Shortest and longest derived step, metres: a silhouette is known to 1 or 2 mm, and a finger is some 10 to 20 mm
+wide.
 """
 MAX_DERIVED_STEPS, MAX_STEPS = 600, 3000
 """Largest number of step points on all loops, with a derived step and with one that was asked for: the matrices of
 pairs then hold 3 MB and 70 MB."""
 ARC_SAMPLES = 17
-"""Points along the boundary under a chord: 1.4 mm apart under a pad of 22 mm, as fine as an outline is known."""
+"""Points along the boundary under a chord: 1.4 mm apart under a pad of 22 mm, as fine as a silhouette is known."""
 EITHER_JAW = -1
 """In the column `jaw`: the candidate may be for either of two equal jaws."""
 

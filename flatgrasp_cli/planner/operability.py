@@ -15,7 +15,7 @@ from flatgrasp_cli.profiles.settings import HandSettings
 
 
 def operable(
-    outline: Silhouette,
+    silhouette: Silhouette,
     fingers: FingerCandidates,
     grasps: GraspCandidates,
     gripper: Gripper,
@@ -24,9 +24,9 @@ def operable(
 ) -> GraspCandidates:
     """The pairs at which the fingers have room beside the object, with `pads` and `room`."""
     if settings.operability == "swept":
-        pads, room = swept_fit(outline, fingers, grasps, gripper, settings.contact_tolerance_m)
+        pads, room = swept_fit(silhouette, fingers, grasps, gripper, settings.contact_tolerance_m)
     else:
-        pads, room = eq2_fit(outline, grasps, gripper, settings.contact_tolerance_m)
+        pads, room = eq2_fit(silhouette, grasps, gripper, settings.contact_tolerance_m)
     pads, room = _beyond_hidden_sides(fingers, grasps, pads, room, gripper.max_opening_m - 2 * settings.clearance_m)
     grasps = grasps.having(pads=np.ascontiguousarray(pads.T), room=np.ascontiguousarray(room.T))
     need = gripper.finger_thickness_m + settings.clearance_m
@@ -56,7 +56,7 @@ def _beyond_hidden_sides(
 def swept_fit(
     silhouette: Silhouette, fingers: FingerCandidates, grasps: GraspCandidates, gripper: Gripper, tolerance_m: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Exact: where the pads come to rest and how far each finger could back off, (2, p) each, by the whole outline.
+    """Exact: where the pads come to rest and how far each finger could back off, (2, p) each, by the whole silhouette.
 
     Each finger sweeps a strip of its width along the closing axis. A pad rests on the outermost boundary that lies no
     more than `tolerance_m` beyond its candidate's own reach. The next boundary outward ends the room; where boundary
@@ -69,8 +69,8 @@ def swept_fit(
     pads, room = np.empty((2, len(grasps))), np.empty((2, len(grasps)))
     for part in chunks(len(grasps), len(points)):
         x, y = in_frames(points, grasps.middle[part], grasps.axis[part])
-        outline = Chain(x, y, slopes(x, y), breaks)
-        for side, seen in ((0, outline.flipped()), (1, outline)):
+        boundary = Chain(x, y, slopes(x, y), breaks)
+        for side, seen in ((0, boundary.flipped()), (1, boundary)):
             pads[side, part], room[side, part] = _jaw_fit(
                 seen, level[side, part], gripper.jaws[side], gripper.finger_width_m
             )
@@ -79,19 +79,19 @@ def swept_fit(
 
 
 def _jaw_fit(
-    outline: Chain, level: FloatArray, offsets: tuple[float, ...], finger_width: float
+    silhouette: Chain, level: FloatArray, offsets: tuple[float, ...], finger_width: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Pad distance and room (p,) of a jaw with fingers at `offsets`, for an outline seen with +y out to that jaw.
+    """Pad distance and room (p,) of a jaw with fingers at `offsets`, for a silhouette seen with +y out to that jaw.
 
     A pad may rest on boundary up to `level` (p,).
     """
     pad, obstacle = np.full(len(level), -np.inf), np.full(len(level), np.inf)
     for offset in offsets:
-        meets, lowest, highest = outline.clipped(offset - finger_width / 2, offset + finger_width / 2)
+        meets, lowest, highest = silhouette.clipped(offset - finger_width / 2, offset + finger_width / 2)
         beyond = highest > level
         pad = np.maximum(pad, np.where(meets & ~beyond, highest, -np.inf).max(axis=0))
         obstacle = np.minimum(obstacle, np.where(meets & beyond, lowest, np.inf).min(axis=0))
-        obstacle[(obstacle < level) | outline.holds(offset, level)] = -np.inf
+        obstacle[(obstacle < level) | silhouette.holds(offset, level)] = -np.inf
     touches = np.isfinite(pad)
     pad = np.where(touches, pad, 0.0)
     return pad, np.where(touches, np.maximum(obstacle - pad, 0.0), 0.0)

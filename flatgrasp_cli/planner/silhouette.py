@@ -22,7 +22,7 @@ STRAY_M = 0.02
 surface are narrower."""
 
 
-def silhouette(
+def silhouette_of(
     points: FloatArray, frame: Frame, settings: SilhouetteSettings, spacing_m: float | None = None
 ) -> Silhouette:
     """The concave hull of `points` (n, 3) projected to the main plane, `frame`'s x-y plane: a polygon with holes.
@@ -45,7 +45,7 @@ def silhouette(
 def without_strays(points: FloatArray, settings: SilhouetteSettings) -> FloatArray:
     """Those of an object's `points` (n, 3) that form one piece, seen along each of the axes.
 
-    The outline leaves out what is detached, but it comes after the box, which one point far off tilts and stretches.
+    The silhouette leaves out what is detached, but it comes after the box, which one point far off tilts and stretches.
     """
     for view in ([0, 1], [0, 2], [1, 2]):
         if len(points) > 0:

@@ -129,7 +129,7 @@ def _plane(plane: SupportPlane) -> SupportPlanePart:
 
 def _object(item: ObjectPlan, plan: Plan) -> ObjectPart:
     trace, rejection = item.trace, item.rejection
-    outline, box = item.silhouette, item.box
+    silhouette, box = item.silhouette, item.box
     return ObjectPart(
         id=item.object.id,
         points=len(item.object.points),
@@ -139,7 +139,7 @@ def _object(item: ObjectPlan, plan: Plan) -> ObjectPart:
         nearest_miss=_optional(_miss, rejection),
         obb=_optional(_box, box),
         aabb=_optional(_aabb, box),
-        silhouette=None if outline is None else _silhouette(outline, item.level_m),
+        silhouette=None if silhouette is None else _silhouette(silhouette, item.level_m),
         gravity_center=_optional(_gravity, item.shape),
         fingers=FingersPart(
             step_m=number(trace.steps[0].step_m) if trace.steps else None, doubted_directions=trace.doubted_directions
@@ -162,14 +162,14 @@ def _miss(rejection: Rejection) -> MissPart:
     return MissPart(stage=rejection.stage, value=number(rejection.value), limit=number(rejection.limit))
 
 
-def _silhouette(outline: Silhouette, level_m: float | None) -> SilhouettePart:
+def _silhouette(silhouette: Silhouette, level_m: float | None) -> SilhouettePart:
     return SilhouettePart(
-        origin=numbers(outline.frame.origin),
-        axes=numbers(outline.frame.axes[:2]),
-        loops=[numbers(loop) for loop in outline.loops],
+        origin=numbers(silhouette.frame.origin),
+        axes=numbers(silhouette.frame.axes[:2]),
+        loops=[numbers(loop) for loop in silhouette.loops],
         level_m=number(level_m),
-        alpha_m=number(outline.alpha_m),
-        coverage=number(outline.coverage),
+        alpha_m=number(silhouette.alpha_m),
+        coverage=number(silhouette.coverage),
     )
 
 

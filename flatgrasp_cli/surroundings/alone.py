@@ -37,12 +37,12 @@ class Alone:
     def of_known_thickness(
         self, _fingers: FingerCandidates, grasps: GraspCandidates, _funnel: Funnel, /
     ) -> GraspCandidates:
-        """All of the pairs: an object alone is as thick as its outline."""
+        """All of the pairs: an object alone is as thick as its silhouette."""
         return grasps
 
     def approached(
         self,
-        outline: Silhouette,
+        silhouette: Silhouette,
         _fingers: FingerCandidates,
         grasps: GraspCandidates,
         gripper: Gripper,
@@ -50,11 +50,11 @@ class Alone:
         /,
     ) -> GraspCandidates:
         """The pairs at which the object stays out of the palm, with the fingertips' ends in the main plane."""
-        above, long_m = float(outline.heights.max()), gripper.finger_length_m
+        above, long_m = float(silhouette.heights.max()), gripper.finger_length_m
         kept = funnel.at_most(
             "palm",
             grasps,
-            palm_intrusion(outline, grasps.center, grasps.axis, gripper),
+            palm_intrusion(silhouette, grasps.center, grasps.axis, gripper),
             0.0,
             lambda _: f"the object stands {above:.3f} m above the fingertips, fingers are {long_m:.3f} m long",
         )
@@ -75,16 +75,16 @@ def openings(grasps: GraspCandidates, gripper: Gripper, settings: HandSettings) 
     return np.asarray(np.minimum(grasps.width + 2 * np.minimum(spare, settings.preshape_m), gripper.max_opening_m))
 
 
-def palm_intrusion(outline: Silhouette, hand_centers: FloatArray, axes: FloatArray, gripper: Gripper) -> FloatArray:
+def palm_intrusion(silhouette: Silhouette, hand_centers: FloatArray, axes: FloatArray, gripper: Gripper) -> FloatArray:
     """How far (p,) the object reaches into the palm of hands at `hand_centers` closing along `axes` (p, 2); 0 if not.
 
     The fingertips' ends lie in the main plane, so only points higher than the fingers are long can meet the palm.
     """
     intrusion = np.zeros(len(hand_centers))
-    tall = outline.heights > gripper.finger_length_m
+    tall = silhouette.heights > gripper.finger_length_m
     if not tall.any():
         return intrusion
-    points, excess = outline.points[tall], outline.heights[tall] - gripper.finger_length_m
+    points, excess = silhouette.points[tall], silhouette.heights[tall] - gripper.finger_length_m
     for part in chunks(len(hand_centers), len(points)):
         x, y = in_frames(points, hand_centers[part], axes[part])
         inside = (np.abs(x) <= 0.5 * gripper.hand_width_m) & (np.abs(y) <= 0.5 * gripper.palm_m)

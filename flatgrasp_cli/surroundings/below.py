@@ -13,7 +13,7 @@ from flatgrasp_cli.profiles.gripper import Gripper
 
 AT_CONTACT_M = 0.005
 """Closer to the pad than this, metres, a point of the object may be one that the pad rests on: two cells of the map and
-the outline's own uncertainty."""
+the silhouette's own uncertainty."""
 MAX_PAIRS = 200_000
 """Hands × cells worked on at once: as many as stay in a processor's cache. A result does not depend on it."""
 SAME_M = 0.001

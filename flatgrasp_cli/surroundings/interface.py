@@ -34,7 +34,7 @@ class Surroundings(Protocol):
 
     def approached(
         self,
-        outline: Silhouette,
+        silhouette: Silhouette,
         fingers: FingerCandidates,
         grasps: GraspCandidates,
         gripper: Gripper,

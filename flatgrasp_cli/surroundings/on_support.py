@@ -55,7 +55,7 @@ class OnSupport:
 
     def approached(
         self,
-        _outline: Silhouette,
+        _silhouette: Silhouette,
         fingers: FingerCandidates,
         grasps: GraspCandidates,
         gripper: Gripper,

@@ -41,7 +41,8 @@ to 20 cm wide."""
 NEIGHBOURS_WITHIN = 2.0
 """Steps of a square grid within which a point at its edge has six neighbours; on a rod they lie farther along it."""
 MIN_CELL_M = 0.002
-"""Least side of height maps' cells, metres, which is otherwise the points' spacing: an outline is known no better."""
+"""Least side of height maps' cells, metres, which is otherwise the points' spacing: a silhouette is known no
+better."""
 HANGING_M, MOST_HANGING_M = 0.02, 0.04
 """An object whose lowest point is higher than the first and that is nowhere longer than the second may hang in the air,
 metres. A lower one may stand on something that was not seen. Tuned on ghosts beside the edges of a stereo camera's

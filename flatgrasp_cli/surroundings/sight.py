@@ -1,7 +1,7 @@
 """Beyond the paper: the side of an object that the sensor did not see.
 
 Behind an object, in its shadow, no free space was seen. If its surface turns away gently, as that of a can does, the
-object goes on in there; if it ends at an edge, it does not. The outline alone cannot tell, but heights can.
+object goes on in there; if it ends at an edge, it does not. The silhouette alone cannot tell, but heights can.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from flatgrasp_cli.surroundings.view import View
 from flatgrasp_cli.surroundings.walls import pad_places
 
 OUTWARD_M = (0.003, 0.005, 0.007)
-"""Distances from a chord outward, metres, at which the finger's space is looked into: beyond the outline's noise, and
-within the thickness of a finger."""
+"""Distances from a chord outward, metres, at which the finger's space is looked into: beyond the silhouette's noise,
+and within the thickness of a finger."""
 HEIGHTS_M, BEHIND_M = (0.003, 0.010), 0.006
 """Heights over the fingertips' level, metres, at which it is looked into: within the least grip and above it. And how
 far behind a surface space must lie to be hidden by it: two pixels of the range image."""
@@ -44,13 +44,13 @@ MOST_M = 0.03
 TOP_M = np.array([0.001, 0.003, 0.005])
 """Distances from a chord inward, metres, at which a face is told from a top: two or three cells."""
 THIN_M = 0.03
-"""Contacts closer than this, metres, may be the two sides of one face: the outline of a face 10 cm high that leans by
-15° is so thin."""
+"""Contacts closer than this, metres, may be the two sides of one face: the silhouette of a face 10 cm high that leans
+by 15° is so thin."""
 FACE_M = 0.008
 """Cells whose mean lies this far below their highest point, metres, on average, show a face and not a top: half of the
 height of an upright face of 16 mm."""
 ACROSS = np.linspace(-0.4, 0.4, 9)
-"""Places along a pad, in widths of it: the ends are left out, for the outline bends away there."""
+"""Places along a pad, in widths of it: the ends are left out, for the silhouette bends away there."""
 
 
 def seen_sides(
@@ -58,8 +58,8 @@ def seen_sides(
 ) -> FingerCandidates:
     """The candidates except those in holes that were not seen through, with what was seen of the sides they stand at.
 
-    In the object's shadow, as cast from the sensor at `viewpoint` (3,), the outline is only where its top ends, and the
-    object may go on behind that. Where only a face was seen and no top, its thickness is not known.
+    In the object's shadow, as cast from the sensor at `viewpoint` (3,), the silhouette is only where its top ends, and
+    the object may go on behind that. Where only a face was seen and no top, its thickness is not known.
     """
     share = hidden_share(fingers, view, level_m)
     open_sides = (share <= HOLE_SHARE) | (fingers.loop == 0)
@@ -103,7 +103,7 @@ def hidden_share(fingers: FingerCandidates, view: View, level_m: float) -> Float
 def hidden_extent(
     fingers: FingerCandidates, surface: HeightMap, shadowed: BoolArray, viewpoint: FloatArray
 ) -> FloatArray:
-    """How far (m,) the object probably goes on beyond the outline, metres; 0 where it was seen, or ends at an edge.
+    """How far (m,) the object probably goes on beyond the silhouette, metres; 0 where it was seen, or ends at an edge.
 
     The flank is taken for a quarter of an ellipse, as of an object that lies on its side: its top is the profile's
     highest point, at a height H, and it is upright at H/2. With b = H/2, height h and slope s at the limb,

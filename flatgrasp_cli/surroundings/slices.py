@@ -1,7 +1,7 @@
 """Beyond the paper: what stands above the fingertips, level by level.
 
 The paper projects the whole object. Over a table the fingers reach down only so far, and in a heap only what stands out
-can be gripped. So the method runs on the outline of what lies above each of several levels, and the best grasp wins.
+can be gripped. So the method runs on the silhouette of what lies above each of several levels, and the best grasp wins.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.profiles.settings import DepthSettings
 
 SAME_FOOTPRINT = 0.93
-"""A part whose footprint is larger than this share of what it stands on needs no outline of its own: a rim of one cell
-around a block of 10 cm is 8 % of it."""
+"""A part whose footprint is larger than this share of what it stands on needs no silhouette of its own: a rim of one
+cell around a block of 10 cm is 8 % of it."""
 MOST_ALIKE = 2
 """Largest number of slices with about the same footprint. It is more than one because close above what a part lies on,
 its flanks do not look upright yet."""
 MIN_POINTS = 30
-"""Least number of a part's points: with fewer, an outline is mostly noise."""
+"""Least number of a part's points: with fewer, a silhouette is mostly noise."""
 TOP_QUANTILE = 0.99
 """The share of an object's points that lie below its top: the others may be flying pixels."""
 

@@ -1,4 +1,4 @@
-"""What pads find to rest on beside the outline: upright walls, or flanks that they slip off."""
+"""What pads find to rest on beside the silhouette: upright walls, or flanks that they slip off."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ INWARD_M = np.array([0.001, 0.002, 0.003, 0.004, 0.005, 0.007, 0.009])
 together at first, and as far in as pads are about to hold in height."""
 SEEN_PLACES, WALL_PLACES = 3, 5
 """How many of those distances, counted from the chord, are the boundary itself, and how many can show the wall's top: 3
-mm, the outline's uncertainty, and 5 mm, for the edge of a wall is rounded by the sensor."""
+mm, the silhouette's uncertainty, and 5 mm, for the edge of a wall is rounded by the sensor."""
 LEAST_SLOPE = 0.5
 """A surface that rises less steeply than this, height over breadth (27°), is the object's top."""
 FLANK_OUTWARD_M = np.array([0.002, 0.003, 0.004])
-"""Distances from a chord outward, metres, at which a flank would go on below the slice's level: beyond the outline's
+"""Distances from a chord outward, metres, at which a flank would go on below the slice's level: beyond the silhouette's
 noise, but still within a slice's height of a flank of 70°."""
 ALONG_PAD = np.array([-0.4, -0.2, 0.0, 0.2, 0.4])
-"""Places along a pad, in widths of it: the ends are left out, for the outline bends away there."""
+"""Places along a pad, in widths of it: the ends are left out, for the silhouette bends away there."""
 
 
 class Walls(NamedTuple):

@@ -10,7 +10,7 @@ from flatgrasp_cli import load_settings
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import Silhouette
 from flatgrasp_cli.planner.main_plane import oriented_box
-from flatgrasp_cli.planner.silhouette import silhouette, without_strays
+from flatgrasp_cli.planner.silhouette import silhouette_of, without_strays
 from tests.by_hand import MM, WORLD
 
 SETTINGS = load_settings().silhouette
@@ -28,7 +28,7 @@ def grid(*shapes: shapely.Geometry, pitch_mm: float = 0.5) -> FloatArray:
 
 
 def outlined(points: FloatArray) -> Silhouette:
-    return silhouette(points, WORLD, SETTINGS)
+    return silhouette_of(points, WORLD, SETTINGS)
 
 
 PLATE = shapely.box(-60, -20, 60, 20)

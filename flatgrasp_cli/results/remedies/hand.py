@@ -12,7 +12,7 @@ from flatgrasp_cli.profiles import Gripper, list_profiles, load_gripper
 from flatgrasp_cli.results.remedies.words import mm
 
 COARSE_SHARE = 0.25
-"""Points farther apart than this share of an object's smaller side leave its outline ragged."""
+"""Points farther apart than this share of an object's smaller side leave its silhouette ragged."""
 MILLIMETRES_M = 1.0
 """What is wider than this between the pads may be a cloud in millimetres."""
 TINY_M = 0.003
@@ -20,7 +20,7 @@ TINY_M = 0.003
 
 
 def narrow_fingers(plan: Plan, item: ObjectPlan, _rejection: Rejection) -> str | None:
-    """A hand whose fingers find a place on the outline."""
+    """A hand whose fingers find a place on the silhouette."""
     box = item.box
     if box is not None and max(box.size[:2]) < TINY_M:
         return f"clouds are taken in metres, this object is {1e3 * max(box.size[:2]):.2g} mm long: see --scale"
@@ -90,8 +90,8 @@ def not_deep_enough(plan: Plan, item: ObjectPlan, rejection: Rejection) -> str |
         return long_fingers(plan, item, rejection)
     if rejection.cause == "neighbours":
         return "take away what stands beside it, or grasp that first; thinner fingers need less room"
-    outline, box = item.silhouette, item.box
-    if rejection.cause == "itself" and outline is not None and box is not None:
+    silhouette, box = item.silhouette, item.box
+    if rejection.cause == "itself" and silhouette is not None and box is not None:
         return _finer(len(item.object.points), box.size[:2])
     if rejection.cause == "low":
         depth = plan.settings.depth
@@ -103,7 +103,7 @@ def not_deep_enough(plan: Plan, item: ObjectPlan, rejection: Rejection) -> str |
 
 
 def _finer(points: int, sides: FloatArray) -> str | None:
-    """Said of an object on which too few points lie to tell its outline."""
+    """Said of an object on which too few points lie to tell its silhouette."""
     apart, narrow = math.sqrt(float(sides[0] * sides[1]) / points), float(min(sides))
     if apart < COARSE_SHARE * narrow:
         return None
