@@ -36,10 +36,11 @@ class CellGrid:
     def __init__(self, points: FloatArray, alpha_m: float) -> None:
         columns = np.ascontiguousarray(points.T)  # (2, n): reductions run fast over a long last axis
         cell_m = alpha_m / CELLS_PER_ALPHA
-        raster = Raster.over(columns.min(axis=1), columns.max(axis=1), cell_m)
+        x, y = columns
+        raster = Raster.around(x, y, cell_m)
         if raster.cell_m > cell_m:
             raise ValueError(f"cells of {cell_m} m are too many for points {np.ptp(columns, axis=1).max()} m apart")
-        self.cell = raster.cells_within(*columns)
+        self.cell = raster.cells_within(x, y)
         self.occupied: BoolArray = raster.count(self.cell) > 0
 
     def largest_piece(self) -> tuple[BoolArray, float]:

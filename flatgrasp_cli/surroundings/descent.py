@@ -7,7 +7,6 @@ if it lies within their footprint and above their end. A map of the highest poin
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,11 +16,9 @@ from flatgrasp_cli.model import FingerCandidates, GraspCandidates
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.surroundings.below import fingers_meet, palm_meets, too_low, under_fingers, under_palm
+from flatgrasp_cli.surroundings.maps import Relief
 from flatgrasp_cli.surroundings.slices import lowest_tip
 from flatgrasp_cli.surroundings.walls import walls
-
-if TYPE_CHECKING:
-    from flatgrasp_cli.surroundings.on_support import OnSupport
 
 MIN_GRIP_SHARE = 0.5
 """Share of a wall's height that the pads must hold where the wall is too low for the least grip: the fingertips'
@@ -48,7 +45,7 @@ class _Upright:
 
 
 def descended(
-    fingers: FingerCandidates, grasps: GraspCandidates, around: OnSupport, gripper: Gripper, funnel: Funnel
+    fingers: FingerCandidates, grasps: GraspCandidates, around: Relief, gripper: Gripper, funnel: Funnel
 ) -> GraspCandidates:
     """The pairs on which the hand can come down far enough, with `opening`, `tip`, `grip`, `margin`, `touch`."""
     settings, depth, maps = around.settings, around.settings.depth, around.maps
@@ -86,7 +83,7 @@ def descended(
     return _looked_into(grasps, funnel) if depth.unseen == "refuse" else grasps
 
 
-def _held(fingers: FingerCandidates, grasps: GraspCandidates, around: OnSupport, gripper: Gripper) -> _Upright:
+def _held(fingers: FingerCandidates, grasps: GraspCandidates, around: Relief, gripper: Gripper) -> _Upright:
     """What the pairs hold, by the walls at both of their finger candidates."""
     friction = around.settings.balance.friction_with(gripper)
     found = walls(fingers, around.maps.surface, around.maps.highest, around.level_m, friction)
@@ -97,7 +94,7 @@ def _held(fingers: FingerCandidates, grasps: GraspCandidates, around: OnSupport,
     return _Upright(wall, firm, need, np.maximum(found.boundary[grasps.i], found.boundary[grasps.j]))
 
 
-def _tips(below: FloatArray, palm_tip: FloatArray, lowest: FloatArray, held: _Upright, around: OnSupport) -> FloatArray:
+def _tips(below: FloatArray, palm_tip: FloatArray, lowest: FloatArray, held: _Upright, around: Relief) -> FloatArray:
     """Heights (MARGINS, p) at which the fingertips end, from what is `below` the fingers at each of the openings.
 
     `palm_tip` (p,) is where they end if the palm meets something, `lowest` (p,) how low they may go beside a part that

@@ -1,10 +1,12 @@
-"""The height maps that an object's surroundings are looked up in."""
+"""What an object's surroundings are looked up in: height maps, and what the sensor saw."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from flatgrasp_cli.geometry.height_map import HeightMap
+from flatgrasp_cli.profiles.settings import PlannerSettings
+from flatgrasp_cli.surroundings.view import View
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -22,3 +24,20 @@ class HeightMaps:
     rest: HeightMap
     highest: HeightMap
     coarse: HeightMap
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Relief:
+    """What a slice above `level_m` stands on and among, and what the sensor saw of that.
+
+    Fingertips may end at `lowest_m`, or lower beside a part that is too low for that. What is no higher than `ground_m`
+    is no obstacle. Heights, in metres, are those over the support plane, or over the deepest point that was seen of a
+    standing object.
+    """
+
+    level_m: float
+    lowest_m: float
+    ground_m: float
+    maps: HeightMaps
+    view: View
+    settings: PlannerSettings

@@ -10,29 +10,15 @@ from flatgrasp_cli.funnel import Funnel
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates, Silhouette
 from flatgrasp_cli.profiles.gripper import Gripper
-from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.surroundings.descent import descended, descent_cost
-from flatgrasp_cli.surroundings.maps import HeightMaps
+from flatgrasp_cli.surroundings.maps import Relief
 from flatgrasp_cli.surroundings.sight import of_known_thickness, seen_sides
-from flatgrasp_cli.surroundings.view import View
 from flatgrasp_cli.surroundings.walls import upright
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class OnSupport:
-    """What a slice above `level_m` stands on and among, and what the sensor saw of that.
-
-    Fingertips may end at `lowest_m`, or lower beside a part that is too low for that. What is no higher than `ground_m`
-    is no obstacle. Heights, in metres, are those over the support plane, or over the deepest point that was seen of a
-    standing object.
-    """
-
-    level_m: float
-    lowest_m: float
-    ground_m: float
-    maps: HeightMaps
-    view: View
-    settings: PlannerSettings
+class OnSupport(Relief):
+    """What the method asks of an object that stands on something and among others."""
 
     def sides(self, fingers: FingerCandidates, funnel: Funnel, /) -> FingerCandidates:
         """The candidates before upright sides, except those in holes that the sensor did not see through."""
