@@ -51,7 +51,7 @@ def test_grooves_less_than_3_mm_deep_are_one_basin(ridge_mm: float, told_apart: 
     assert (proof.limits.merge[0] < (30 + 2 * ridge_mm + 1) * MM) == told_apart
 
 
-def wavy(height_mm: float, waves: int = 20, radius_mm: float = 60) -> FloatArray:
+def wavy(height_mm: float, waves: int = 40, radius_mm: float = 60) -> FloatArray:
     """A disc around which the boundary runs in and out by so much, as a loop (n, 2)."""
     radius = radius_mm + 0.5 * height_mm * (-1.0) ** np.arange(2 * waves)
     angles = np.pi * np.arange(2 * waves) / waves
@@ -62,7 +62,7 @@ def wavy(height_mm: float, waves: int = 20, radius_mm: float = 60) -> FloatArray
 def test_a_millimetre_is_simplified_away(height_mm: float, kept: bool) -> None:
     outline = prepare([wavy(height_mm)], CAGING)
     assert outline is not None
-    assert (len(outline.boundary) == 40) == kept
+    assert (len(outline.boundary) == 80) == kept
 
 
 def test_an_outline_has_120_vertices_and_not_much_less_if_it_needs_more() -> None:
