@@ -337,6 +337,7 @@ USAGE = {
     "scale-zero": (("plan", "PLATE", "--scale", "0"), "--scale"),
     "scale-nan": (("plan", "PLATE", "--scale", "nan"), "--scale"),
     "scale-inf": (("plan", "PLATE", "--scale", "inf"), "--scale"),
+    "sensor-out-of-this-world": (("plan", "PLATE", "--sensor", "1e300,0,0"), "--sensor"),
     "top-zero": (("plan", "PLATE", "--top", "0"), "--top"),
     "plots-unknown": (("plan", "PLATE", "--plots", "all"), "stages"),
     "out-is-a-file": (("plan", "PLATE", "--out", "PLATE"), "--out"),
