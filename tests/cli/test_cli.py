@@ -259,6 +259,7 @@ DEGENERATE: dict[str, tuple[FloatArray, str]] = {
     "duplicates": (np.full((500, 3), 0.25), "1 distinct point"),
     "nan": (np.full((500, 3), np.nan), "no point of the cloud was measured"),
     "inf": (np.full((500, 3), np.inf), "no point of the cloud was measured"),
+    "scaled-twice": (1e-3 * CROWD @ [[0.1, 0.0, 0.0]] + [0.0, 0.0, 1e-3], "--scale"),
 }
 
 
