@@ -320,6 +320,13 @@ class TestCloud:
         with pytest.raises(ValueError, match="points"):
             Cloud(points)
 
+    def test_masked_points_were_not_measured(self) -> None:
+        image = np.ma.masked_greater(np.arange(1.0, 37.0).reshape(3, 4, 3), 30.0)
+        cloud = Cloud(image)
+        assert (len(cloud.points), cloud.dropped) == (10, 2)
+        assert cloud.points.max() == 30.0
+        assert cloud.pixels is not None
+
     @pytest.mark.parametrize("viewpoint", [[0, 0], [0, 0, np.nan]])
     def test_a_viewpoint_that_is_none_is_refused(self, viewpoint: list[float]) -> None:
         with pytest.raises(ValueError, match="viewpoint"):
