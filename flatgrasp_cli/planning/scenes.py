@@ -68,13 +68,17 @@ def plan(
     ----------
     cloud
         From `read_clouds`, or made of an array of points in metres: `Cloud(points)`.
-    gripper, settings
-        From `load_gripper` and `load_settings`; the shipped settings when None.
+    gripper
+        From `load_gripper`.
+    settings
+        From `load_settings`; the shipped ones when None.
     top
-        How many grasps of each object to keep, best first.
+        How many grasps of each object to keep, best first; `ValueError` if less than one.
     robot
         From `load_robot`: only grasps that it reaches are kept. The cloud must be in its base frame (`in_base_frame`).
     """
+    if top < 1:
+        raise ValueError(f"top is how many grasps to keep, one or more, not {top}")
     resolved = (settings or load_settings()).resolve(gripper)
     began = time.perf_counter()
     cloud = located(without_far_strays(without_repeats(cloud)), resolved.scene.up, resolved.seed)
