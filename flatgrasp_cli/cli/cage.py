@@ -141,7 +141,8 @@ def _print(document: dict[str, Any]) -> None:
             "   ".join(f"{x:.4g} {y:.4g}" for x, y in grasp["contacts"]),
         )
     more = len(document["grasps"]) - LISTED
-    show(Text(name), table, *([Text(f"and {more} more; --json lists them")] if more > 0 else []))
+    unit = "in the polygon's own unit" if document["object"] is None else "in metres"
+    show(Text(f"{name}; lengths {unit}"), table, *([Text(f"and {more} more; --json lists them")] if more > 0 else []))
 
 
 def _figure(outline: _Outline, found: tuple[Immobilisation, ...]) -> Figure | None:
