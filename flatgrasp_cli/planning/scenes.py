@@ -13,7 +13,7 @@ from flatgrasp_cli.scene import segment, without_far_strays, without_repeats
 from flatgrasp_cli.sensor import located
 
 MAX_TABLE_TILT_DEG = 30.0
-"""Things slide off a table that is more aslant (friction 0.58). A camera pose that is inverted, or not of the optical
+"""Things slide off a table that is tilted more (friction 0.58). A camera pose that is inverted, or not of the optical
 frame, is out by far more as a rule."""
 
 
@@ -106,7 +106,7 @@ def _table_tilted(support: SupportPlane | None) -> tuple[CloudWarning, ...]:
         return ()
     text = (
         f"the support plane is tilted by more than {MAX_TABLE_TILT_DEG:.0f}° against the robot's base, "
-        "as it is only where the arm is not mounted upright: check --camera-pose, where the camera stands"
+        "which is right only if the arm is not mounted upright: check --camera-pose"
     )
     return (CloudWarning("table_tilted", text),)
 
