@@ -49,7 +49,7 @@ OPTIONS = (
     option(
         "--scene",
         type=click.Choice(["auto", "object", "table"]),
-        help="One object alone, or objects on a support plane; auto: as the cloud says.",
+        help="One object alone, or objects on a support plane; auto: judged by the cloud.",
     ),
     option(
         "--object",

@@ -33,7 +33,9 @@ def point_fingers(
 ) -> GraspCandidates:
     """The best `top` of the grasps that two point fingers close into, whatever the hand can do."""
     grasps = point_finger_grasps(shape.silhouette, shape.gravity_center.area, settings.caging)
-    funnel.count("immobilising", len(grasps), "no two points of the outline hold it, as on any convex one")
+    funnel.count(
+        "immobilising", len(grasps), "no two points hold this outline without friction; a convex one has none that do"
+    )
     tip, touched = np.full(len(grasps), surroundings.lowest_m), np.full((len(grasps), 2), gripper.finger_width_m)
     return grasps.having(tip=tip, touch=tip, touched_m=touched).select(np.arange(min(top, len(grasps))))
 

@@ -199,7 +199,10 @@ def _no_plane(points: FloatArray, cropped: bool) -> str:
     if len(points) == 0 and cropped:
         return "no point lies in the region of interest"
     if len(points) == 0:
-        return "no point of the cloud was measured: all are invalid, 0 0 0, or farther than 10 km from the origin"
+        return (
+            "no point of the cloud was measured: all are invalid, 0 0 0, farther than 10 km from the origin, "
+            "or within 1 cm of the sensor; are they in metres (--scale)?"
+        )
     distinct = len(np.unique(points, axis=0))
     if distinct < 3:
         return f"the cloud has {distinct} distinct point{'s' if distinct > 1 else ''}, an outline needs three"

@@ -168,6 +168,12 @@ def test_a_cloud_that_spans_no_plane_is_refused(points: FloatArray, reason: str,
     assert reason in (result.reason or "")
 
 
+@pytest.mark.parametrize("top", [0, -1])
+def test_to_keep_no_grasp_is_refused(top: int, pr2: Gripper) -> None:
+    with pytest.raises(ValueError, match="one or more"):
+        plan(cloud_of(sampled(rectangle(120, 40))), pr2, top=top)
+
+
 def test_two_far_off_points_do_not_spoil_the_outline(pr2: Gripper) -> None:
     stray = np.array([[0.4, 0.3, 0.0], [-0.3, 0.1, 0.0]])
     grasp = best(plan(cloud_of(np.vstack([sampled(rectangle(120, 40)), stray])), pr2))

@@ -48,7 +48,7 @@ def too_wide(plan: Plan, item: ObjectPlan, rejection: Rejection) -> str | None:
         return f"{asked}; if the cloud is in millimetres: --scale 0.001"
     widest = max(_shipped_grippers(), key=lambda each: each.max_opening_m)
     table = "; if it is objects on a table: --scene table" if item.object.support is None else ""
-    return f"{asked}, and of the shipped grippers {widest.name} most, {mm(widest.max_opening_m)}{table}"
+    return f"{asked}, and {widest.name}, the widest shipped gripper, {mm(widest.max_opening_m)}{table}"
 
 
 def no_room(plan: Plan, _item: ObjectPlan, rejection: Rejection) -> str | None:
@@ -59,7 +59,7 @@ def no_room(plan: Plan, _item: ObjectPlan, rejection: Rejection) -> str | None:
         hand = min(wider, key=lambda each: each.max_opening_m, default=None)
         return f"--gripper {hand.name} opens {mm(hand.max_opening_m)}" if hand else None
     room = gripper.finger_thickness_m - rejection.value
-    return _thinner(gripper, room) if room > 0 else "what stands in the fingers' way must go, or have a gap"
+    return _thinner(gripper, room) if room > 0 else "clear what stands in the fingers' way, or leave a gap there"
 
 
 def _thinner(gripper: Gripper, room_m: float) -> str:
