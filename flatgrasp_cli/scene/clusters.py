@@ -166,7 +166,7 @@ def _largest(mask: BoolArray) -> BoolArray:
 def _objects(
     found: SortedPoints, labels: IntArray, heights: FloatArray, table: BoolArray, settings: SceneSettings
 ) -> list[int]:
-    """Names of the clusters that are objects, largest first: big enough, not too long, and amid the plane."""
+    """Names of the clusters that are objects, largest first: big enough, and amid the plane."""
     import shapely
 
     cell = np.flatnonzero(labels)
@@ -181,8 +181,6 @@ def _objects(
     for name in np.flatnonzero(large).tolist():
         own = np.stack([row[name_of == name], column[name_of == name]])
         low, high = own.min(axis=1), own.max(axis=1) + 1
-        if found.raster.cell_m * np.hypot(*(high - low)) > settings.max_size_m:
-            continue
         middle = own.mean(axis=1)
         if heights[*own].max() < EDGE_RIPPLE_M and not shapely.contains_xy(beyond_ripple, *own).any():
             continue

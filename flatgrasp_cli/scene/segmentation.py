@@ -9,6 +9,7 @@ from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Cloud, ObjectCloud, Scene, Sensor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.clusters import Clusters, find_clusters
+from flatgrasp_cli.scene.heaps import apart
 from flatgrasp_cli.scene.selection import cropped, selected
 from flatgrasp_cli.scene.support_plane import find_support_plane, looks_down
 
@@ -51,6 +52,7 @@ def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
     small = clusters.extent_m <= settings.max_size_m
     if settings.mode == "auto" and small and (not clusters.lie_on_table or _goes_on_below(cloud.points, plane)):
         return _alone(cloud.points, sensor, settings.up)
+    clusters = apart(cloud.points, clusters, plane, _viewpoint(cloud.points, sensor, plane), settings)
     objects = _objects(cloud, sensor, plane, clusters)
     reason = None if objects else NOTHING_STANDS
     return Scene(plane, selected(objects, settings.select, sensor), cloud.points[clusters.clutter], reason)
@@ -84,6 +86,13 @@ def _alone(points: FloatArray, sensor: Sensor, up: tuple[float, float, float] | 
         length = max(float(np.linalg.norm(toward)), 1e-12)
         toward = np.asarray(up) / np.linalg.norm(up) + UPRIGHT_SHARE * toward / length
     return Scene(None, (ObjectCloud(0, points, toward, sensor.position),), np.empty((0, 3)))
+
+
+def _viewpoint(points: FloatArray, sensor: Sensor, plane: SupportPlane) -> FloatArray:
+    """Where `points` (n, 3) are looked at from: the sensor, or straight above where it is not known to look down."""
+    if sensor.position is not None and not sensor.sees_all_sides and looks_down(sensor, plane.normal, plane.offset_m):
+        return sensor.position
+    return np.asarray(points.mean(axis=0) + OVERHEAD_M * plane.normal)
 
 
 def _objects(cloud: Cloud, sensor: Sensor, plane: SupportPlane, clusters: Clusters) -> tuple[ObjectCloud, ...]:

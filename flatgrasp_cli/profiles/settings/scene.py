@@ -40,7 +40,11 @@ class SceneSettings(Profile):
     min_size_m: Size
     """Objects whose footprint is smaller than a square of this side, metres, are taken for outliers."""
     max_size_m: Size
-    """What is longer, in metres, is no object but furniture, and only an obstacle."""
+    """A surface that goes on without a seam for longer than this, in metres, is no object but an obstacle."""
+    seam_deg: Annotated[float, Field(ge=5, le=180)]
+    """A concave bend of more than this, degrees, parts two objects that touch; 180: none does."""
+    least_part_m: Size
+    """What touches another object and is smaller than a square of this side, metres, is a part of that."""
 
     @field_validator("crop")
     @classmethod

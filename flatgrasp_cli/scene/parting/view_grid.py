@@ -1,0 +1,94 @@
+"""Points sorted into the cells of the image in which they were seen: neighbours there are neighbours on a surface."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.raster import Raster
+
+LOST_DEG = 15.0
+"""A surface seen more flatly than this returns nothing to a depth camera, so one that was seen is no steeper."""
+NOISE_SIGMAS = 3.0
+MOST_CELLS = 200_000
+RIM_CELLS = 3
+"""Empty cells around all points: shifted images wrap around, and no seam looks farther than that."""
+MOST_ASIDE = 4.0
+"""Tangent of the widest angle to the line of sight: of points beside or behind the viewpoint there is no image."""
+
+Step = tuple[int, int]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ViewGrid:
+    """Square cells of a central projection, each with the mean of the nearest points that it holds.
+
+    `x`, `y` (rows, columns) are the image's coordinates of that mean, at distance 1 before the viewpoint, and `depth`
+    is how far it lies along the line of sight; `known` says where there is one. `cell` (n,) is the flat index of each
+    point's cell, which is `cell_m` wide where the points are, and `jump_m` the most that the depth of a seen surface
+    changes from one cell to the next.
+    """
+
+    x: FloatArray
+    y: FloatArray
+    depth: FloatArray
+    known: BoolArray
+    cell: IntArray
+    cell_m: float
+    jump_m: float
+
+    @classmethod
+    def of(cls, points: FloatArray, viewpoint: FloatArray, cell_m: float, noise_m: float) -> ViewGrid:
+        """The image of `points` (n, 3) from `viewpoint` (3,), whose noise along the line of sight is `noise_m`."""
+        local = _before(points, viewpoint)
+        distance = float(np.median(local[2]))
+        x, y = np.clip(local[:2] / np.maximum(local[2], 0.1 * distance), -MOST_ASIDE, MOST_ASIDE)
+        pitch = cell_m / distance
+        rim = RIM_CELLS * pitch
+        low, high = np.array([x.min(), y.min()]) - rim, np.array([x.max(), y.max()]) + rim
+        raster = Raster.over(low, high, pitch, MOST_CELLS)
+        cell_m = raster.cell_m * distance
+        cell = raster.cells(x, y)
+        jump_m = cell_m / np.tan(np.radians(LOST_DEG)) + NOISE_SIGMAS * noise_m
+        nearest = np.full(raster.size, np.inf)
+        np.minimum.at(nearest, cell, local[2])
+        front = np.flatnonzero(local[2] < nearest[cell] + jump_m)
+        x, y, depth = (raster.mean(cell[front], values[front], np.inf) for values in (x, y, local[2]))
+        return cls(
+            x=x, y=y, depth=depth, known=np.isfinite(depth), cell=cell, cell_m=cell_m, jump_m=float(jump_m)
+        )
+
+    def smooth_to(self, step: Step) -> BoolArray:
+        """Whether (rows, columns) the surface goes on, without a jump, from a cell to the one so many further."""
+        there = shifted(self.depth, step)
+        with np.errstate(invalid="ignore"):
+            apart = np.abs(there - self.depth)
+        return np.asarray(apart < np.hypot(*step) * self.jump_m)
+
+    def places(self) -> FloatArray:
+        """The means (3, rows, columns) in space; 0 where nothing is known."""
+        depth = np.where(self.known, self.depth, 0.0)
+        x, y = np.where(self.known, self.x, 0.0), np.where(self.known, self.y, 0.0)
+        return np.stack([x * depth, y * depth, depth])
+
+
+def shifted(values: FloatArray, step: Step) -> FloatArray:
+    """`values` (…, rows, columns) of the cells that lie so many rows and columns further."""
+    return np.roll(values, (-step[0], -step[1]), axis=(-2, -1))
+
+
+def neighbours() -> Iterator[Step]:
+    """The steps to the eight cells around one."""
+    return ((down, right) for down in (-1, 0, 1) for right in (-1, 0, 1) if (down, right) != (0, 0))
+
+
+def _before(points: FloatArray, viewpoint: FloatArray) -> FloatArray:
+    """Coordinates (3, n): across the line of sight from `viewpoint` (3,) to the middle of `points`, and along it."""
+    sight = points.mean(axis=0) - viewpoint
+    sight /= max(float(np.linalg.norm(sight)), 1e-9)
+    x = np.cross(np.eye(3)[int(np.argmin(np.abs(sight)))], sight)
+    x /= np.linalg.norm(x)
+    return np.stack([x, np.cross(sight, x), sight]) @ (points - viewpoint).T
