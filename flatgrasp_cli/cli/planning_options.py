@@ -48,8 +48,8 @@ OPTIONS = (
     ),
     option(
         "--scene",
-        type=click.Choice(["auto", "object", "table"]),
-        help="One object alone, or objects on a support plane; auto: as the cloud says.",
+        type=click.Choice(["auto", "object", "table", "bin"]),
+        help="One object alone, objects on a support plane, or things in a bin; auto: as the cloud says.",
     ),
     option(
         "--object",

@@ -68,7 +68,8 @@ class ObjectCloud:
 class Scene:
     """What a cloud shows: objects, and the plane that they stand on (None: one object, seen alone).
 
-    `clutter` (k, 3) are points above the plane that belong to no object; `reason` says why there is no object.
+    `clutter` (k, 3) are points above the plane that belong to no object, and `container` (k, 3) those of a bin around
+    them; `reason` says why there is no object.
     """
 
     support: SupportPlane | None
@@ -76,3 +77,4 @@ class Scene:
     clutter: FloatArray
     reason: str | None = None
     warnings: tuple[CloudWarning, ...] = ()
+    container: FloatArray = field(default_factory=lambda: np.empty((0, 3)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import cv2
@@ -31,6 +31,8 @@ RIM_M = 0.015
 EDGE_M, EDGE_RIPPLE_M = 0.03, 0.01
 """A stereo camera matches windows of some 20 pixels, 30 mm at a metre: so near to the plane's edge they hold what lies
 beyond it, too, and the plane's own height is wrong by up to a centimetre."""
+PATCH_M = 0.03
+"""So wide is a piece of the support plane somewhere: three fingers."""
 MIN_POINTS = 30
 STRAY_M, STRAY_CELLS = 0.01, 3.0
 """A point with hardly another around it belongs to nothing: within a centimetre or two, or, in a sparse cloud, within
@@ -50,7 +52,8 @@ LEAST_OUTSIDE = 0.3
 class Clusters:
     """Indices of the points of each object, and of those above the plane that belong to none; and the plane itself.
 
-    `floor` is what was seen of the plane with nothing on it. `lie_on_table` says whether there are objects, and enough
+    `container` are the indices of the points of a bin around the objects, whose walls are `solid` (k, 3). `floor` is what
+    was seen of the plane with nothing on it. `lie_on_table` says whether there are objects, and enough
     of the plane around them not to be part of one; `extent_m` is the plane's diagonal.
     """
 
@@ -59,6 +62,8 @@ class Clusters:
     floor: Floor
     lie_on_table: bool
     extent_m: float
+    container: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.intp))
+    solid: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
 
 
 def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettings) -> Clusters | None:
@@ -67,7 +72,7 @@ def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettin
     found, heights = _sorted(points, frame, _raster(points, frame, plane.noise_m), -PLANE_SIGMAS * plane.noise_m)
     total = found.total(heights)
     own = total / np.maximum(found.count, 1)
-    table = _largest((found.count > 0) & (np.abs(own) < PLANE_SIGMAS * plane.noise_m))
+    table = _broad((found.count > 0) & (np.abs(own) < PLANE_SIGMAS * plane.noise_m), found.raster.cell_m)
     if not table.any():
         return None
     standing = _standing(found, own, table, plane.noise_m, settings)
@@ -155,12 +160,15 @@ def _labels(mask: Any) -> IntArray:
     return np.asarray(cv2.connectedComponents(mask, connectivity=8)[1], dtype=np.int32)
 
 
-def _largest(mask: BoolArray) -> BoolArray:
-    """The largest connected piece of `mask`, gaps of a cell bridged."""
-    labels = _labels(cv2.dilate(mask.view(np.uint8), np.ones((3, 3), np.uint8)))
-    sizes = np.bincount(labels[mask], minlength=1)
-    sizes[:1] = 0
-    return np.asarray((labels == np.argmax(sizes)) & mask)
+def _broad(mask: BoolArray, cell_m: float) -> BoolArray:
+    """The connected pieces of `mask`, gaps of a cell bridged, that are somewhere as wide as `PATCH_M`.
+
+    Shadows and things cut a table in pieces. What only crosses its plane, as a wall does, is narrow there.
+    """
+    bridged = cv2.dilate(mask.view(np.uint8), np.ones((3, 3), np.uint8))
+    width = 2 * round(0.5 * PATCH_M / cell_m) + 1
+    labels = _labels(bridged)
+    return np.asarray(np.isin(labels, np.unique(labels[cv2.erode(bridged, np.ones((width, width), np.uint8)) > 0])) & mask)
 
 
 def _objects(

@@ -9,7 +9,7 @@ from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Cloud, ObjectCloud, Scene, Sensor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.clusters import Clusters, find_clusters
-from flatgrasp_cli.scene.heaps import apart
+from flatgrasp_cli.scene.heaps import Heap
 from flatgrasp_cli.scene.selection import cropped, selected
 from flatgrasp_cli.scene.support_plane import find_support_plane, looks_down
 
@@ -49,13 +49,21 @@ def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
         if settings.mode == "auto":
             return _alone(cloud.points, sensor, settings.up)
         return Scene(None, (), cloud.points, NO_PLANE)
-    small = clusters.extent_m <= settings.max_size_m
+    heap = Heap(cloud.points, clusters, plane, _viewpoint(cloud.points, sensor, plane), settings=settings)
+    container = heap.container()
+    small = clusters.extent_m <= settings.max_size_m and container is None
     if settings.mode == "auto" and small and (not clusters.lie_on_table or _goes_on_below(cloud.points, plane)):
         return _alone(cloud.points, sensor, settings.up)
-    clusters = apart(cloud.points, clusters, plane, _viewpoint(cloud.points, sensor, plane), settings)
+    clusters = heap.apart(container)
     objects = _objects(cloud, sensor, plane, clusters)
     reason = None if objects else NOTHING_STANDS
-    return Scene(plane, selected(objects, settings.select, sensor), cloud.points[clusters.clutter], reason)
+    return Scene(
+        plane,
+        selected(objects, settings.select, sensor),
+        cloud.points[clusters.clutter],
+        reason,
+        container=cloud.points[clusters.container],
+    )
 
 
 def _too_large(points: FloatArray) -> str | None:
@@ -97,9 +105,9 @@ def _viewpoint(points: FloatArray, sensor: Sensor, plane: SupportPlane) -> Float
 
 def _objects(cloud: Cloud, sensor: Sensor, plane: SupportPlane, clusters: Clusters) -> tuple[ObjectCloud, ...]:
     """The clusters as objects, each with what else stands near it."""
-    rows = (*clusters.members, clusters.clutter)
+    rows = (*clusters.members, clusters.clutter, clusters.container)
     ends = np.cumsum([len(own) for own in rows])
-    standing = cloud.points[np.concatenate(rows)]
+    standing = np.concatenate([cloud.points[np.concatenate(rows)], clusters.solid])
     columns = np.ascontiguousarray(standing.T)
     seen_from_above = looks_down(sensor, plane.normal, plane.offset_m)
     found = []
