@@ -82,6 +82,11 @@ def plan(
     scene = replace(scene, warnings=(*scene.warnings, *_table_tilted(scene.support))) if robot else scene
     segmented = time.perf_counter()
     plans = [plan_object(item, gripper, resolved, top, robot) for item in scene.objects]
+    for whole in scene.wholes:
+        parts = [item for item in plans if item.object.group == whole.group]
+        if parts and not any(item.grasps for item in parts):  # perhaps they are one object after all
+            found = plan_object(whole, gripper, resolved, top, robot)
+            plans = [item for item in plans if item not in parts] + [found] if found.grasps else plans
     objects = tuple(sorted(plans, key=_best_first))
     scene_ms, plan_ms = 1e3 * (segmented - began), 1e3 * (time.perf_counter() - segmented)
     return Plan(

@@ -52,6 +52,7 @@ LEAST_OUTSIDE = 0.3
 class Clusters:
     """Indices of the points of each object, and of those above the plane that belong to none; and the plane itself.
 
+    Objects that touched have the same of the `groups`, None is the group of those that stand apart.
     `container` are the indices of the points of a bin around the objects, whose walls are `solid` (k, 3). `floor` is what
     was seen of the plane with nothing on it. `lie_on_table` says whether there are objects, and enough
     of the plane around them not to be part of one; `extent_m` is the plane's diagonal.
@@ -62,6 +63,7 @@ class Clusters:
     floor: Floor
     lie_on_table: bool
     extent_m: float
+    groups: tuple[int | None, ...] = ()
     container: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.intp))
     solid: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
 
@@ -168,7 +170,9 @@ def _broad(mask: BoolArray, cell_m: float) -> BoolArray:
     bridged = cv2.dilate(mask.view(np.uint8), np.ones((3, 3), np.uint8))
     width = 2 * round(0.5 * PATCH_M / cell_m) + 1
     labels = _labels(bridged)
-    return np.asarray(np.isin(labels, np.unique(labels[cv2.erode(bridged, np.ones((width, width), np.uint8)) > 0])) & mask)
+    return np.asarray(
+        np.isin(labels, np.unique(labels[cv2.erode(bridged, np.ones((width, width), np.uint8)) > 0])) & mask
+    )
 
 
 def _objects(

@@ -93,9 +93,7 @@ def find_container(points: FloatArray, floor: Floor, *, stated: bool) -> Contain
 def _filled(heights: FloatArray) -> FloatArray:
     """`heights` (rows, columns) with that of the nearest seen cell in all that were not seen."""
     unseen = (heights == UNSEEN).view(np.uint8)
-    _, nearest = cv2.distanceTransformWithLabels(
-        unseen, cv2.DIST_L2, cv2.DIST_MASK_5, labelType=cv2.DIST_LABEL_PIXEL
-    )
+    _, nearest = cv2.distanceTransformWithLabels(unseen, cv2.DIST_L2, cv2.DIST_MASK_5, labelType=cv2.DIST_LABEL_PIXEL)
     height_of = np.zeros(int(nearest.max()) + 1)
     height_of[nearest[unseen == 0]] = heights[unseen == 0]
     return np.asarray(height_of[nearest])

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TypedDict
 
 import numpy as np
 
@@ -17,6 +19,15 @@ FLOOR_SHARE = 0.5
 """A piece with more than this share of its points in the support plane is the floor, from which a bin's walls rise."""
 INSIDE_SHARE = 0.5
 """Least share of a thing in a bin that lies over its inside: walls are outside, but for their feet."""
+
+
+Piece = tuple[IntArray, int | None]
+"""The indices of an object's points, and the cluster that it was parted from."""
+
+
+class _Found(TypedDict):
+    members: tuple[IntArray, ...]
+    groups: tuple[int | None, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,10 +55,8 @@ class Heap:
         if container is not None or self.settings.mode == "bin":
             return self._in_container(container)
         clusters = self.clusters
-        found = [piece for rows in clusters.members for piece in self._pieces(rows)]
-        objects = [piece for piece in found if self._is_object(piece)]
-        lost = [piece for piece in found if not self._is_object(piece)]
-        return replace(clusters, members=_largest_first(objects), clutter=np.concatenate([*lost, clusters.clutter]))
+        objects = self._objects_of(clusters.members)
+        return replace(clusters, **_largest_first(objects), clutter=self._rest(objects))
 
     def _in_container(self, container: Container | None) -> Clusters:
         """The things in a container and beside it, and the container; None is one of which only the inside is seen.
@@ -56,7 +65,7 @@ class Heap:
         the support plane, too, and into the walls.
         """
         free = [rows for rows in self.clusters.members if container is None or _is_free(self.points[rows], container)]
-        objects = [piece for rows in free for piece in self._pieces(rows) if self._is_object(piece)]
+        objects = self._objects_of(free)
         stands, rest = np.zeros((2, len(self.points)), dtype=np.bool_)
         stands[self._standing] = True
         rest[:] = self.plane.heights(self.points) > -self._flat_m
@@ -68,18 +77,34 @@ class Heap:
         for piece in self._pieces(np.flatnonzero(rest)):
             own = piece[stands[piece]]
             if self._lies_in(piece, container) and self._is_object(own):
-                objects.append(own)
+                objects.append((own, None))
                 continue
             for low in self._pieces(own):  # without the floor, into which low things pass without a seam
-                free_thing = container is not None and container.holds(self.points[low]).all()
-                (objects if free_thing and self._is_object(low) else walls).append(low)
+                if container is not None and container.holds(self.points[low]).all() and self._is_object(low):
+                    objects.append((low, None))
+                else:
+                    walls.append(low)
         wall = np.concatenate(walls)
         return replace(
             self.clusters,
-            members=_largest_first(objects),
-            clutter=np.setdiff1d(self._standing, np.concatenate([wall, *objects])),
+            **_largest_first(objects),
+            clutter=np.setdiff1d(self._rest(objects), wall),
             container=wall,
             solid=np.empty((0, 3)) if container is None else container.solid(self.points[wall]),
+        )
+
+    def _objects_of(self, members: Sequence[IntArray]) -> list[Piece]:
+        """The objects that clusters are made of."""
+        found = []
+        for group, rows in enumerate(members):
+            parts = [part for part in self._pieces(rows) if self._is_object(part)]
+            found += [(part, group if len(parts) > 1 else None) for part in parts]
+        return found
+
+    def _rest(self, objects: list[Piece]) -> IntArray:
+        """The points above the plane that belong to no object."""
+        return (
+            np.setdiff1d(self._standing, np.concatenate([rows for rows, _ in objects])) if objects else self._standing
         )
 
     @property
@@ -99,7 +124,7 @@ class Heap:
         return container is None or bool(container.holds(self.points[piece]).mean() >= INSIDE_SHARE)
 
     def _pieces(self, rows: IntArray) -> list[IntArray]:
-        """The `rows` (n,) of points piece by piece; those that belong to none are together one more."""
+        """The `rows` (n,) of points piece by piece."""
         if len(rows) == 0:
             return []
         names = pieces(
@@ -125,5 +150,6 @@ def _is_free(points: FloatArray, container: Container) -> bool:
     return bool(container.holds(points).all() or not container.covers(points).any())
 
 
-def _largest_first(objects: list[IntArray]) -> tuple[IntArray, ...]:
-    return tuple(sorted(objects, key=lambda rows: -len(rows)))
+def _largest_first(objects: list[Piece]) -> _Found:
+    objects = sorted(objects, key=lambda piece: -len(piece[0]))
+    return {"members": tuple(rows for rows, _ in objects), "groups": tuple(group for _, group in objects)}

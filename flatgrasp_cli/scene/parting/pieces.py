@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
-from flatgrasp_cli.scene.parting.seams import seam_cells
+from flatgrasp_cli.scene.parting.seams import seam_cells, surface_normals
 from flatgrasp_cli.scene.parting.view_grid import ViewGrid, shifted
 
 LEAST_CELL_M = 0.003
@@ -16,6 +16,7 @@ POINTS_ACROSS = 2.0
 SURE_SIGMAS = 4.0
 """A bend is told from noise by so many of its standard deviations."""
 DOWN, RIGHT = (1, 0), (0, 1)
+SIDES = (DOWN, RIGHT, (-1, 0), (0, -1))
 CORE_CELLS = 6
 """Cells of a piece, at least, that lie in no seam: fewer may be noise."""
 MOST_FLOODS = 100
@@ -25,19 +26,30 @@ MOST_FLOODS = 100
 def pieces(
     points: FloatArray, viewpoint: FloatArray, spacing_m: float, noise_m: float, *, seam_deg: float, least_m: float
 ) -> IntArray:
-    """Names (n,) from 1 of the pieces of the surface that `points` (n, 3) lie on; 0 for those that belong to none.
+    """Names (n,), positive, of the pieces of the surface that `points` (n, 3) lie on.
 
     The points lie `spacing_m` apart and scatter by `noise_m` along the ray from `viewpoint` (3,). A seam is a concave
     bend of more than `seam_deg`; a piece whose area, seen from there, is less than a square of side `least_m` belongs
-    to the one beside it.
+    to the one beside it, or the nearest.
     """
     cell_m = max(LEAST_CELL_M, POINTS_ACROSS * spacing_m, fitting_cell_m(spacing_m, noise_m, seam_deg))
     grid = ViewGrid.of(points, viewpoint, cell_m, noise_m)
-    names = _connected(grid, grid.known & ~seam_cells(grid, seam_deg))
-    names = _flooded(grid, _of_size(names, CORE_CELLS))
-    small = names - _of_size(names, (least_m / grid.cell_m) ** 2)
-    names = _flooded(grid, names - small)
-    return np.asarray(np.where(names > 0, names, small).ravel()[grid.cell])
+    normals, has_normal = surface_normals(grid)
+    names = _connected(grid, has_normal & ~seam_cells(grid, normals, has_normal, seam_deg))
+    names = _flooded(grid, _of_size(names, CORE_CELLS), normals)
+    names = _flooded(grid, _of_size(names, (least_m / grid.cell_m) ** 2), normals)
+    return np.asarray(grid.of_points(_nearest(names)))
+
+
+def _nearest(names: IntArray) -> IntArray:
+    """The names with that of the nearest cell of the image where there is none; 1 if there are none at all."""
+    if not names.any():
+        return np.ones_like(names)
+    nameless = (names == 0).view(np.uint8)
+    _, nearest = cv2.distanceTransformWithLabels(nameless, cv2.DIST_L2, cv2.DIST_MASK_5, labelType=cv2.DIST_LABEL_PIXEL)
+    name_of = np.zeros(int(nearest.max()) + 1, dtype=np.intp)
+    name_of[nearest[nameless == 0]] = names[nameless == 0]
+    return name_of[nearest]
 
 
 def _of_size(names: IntArray, cells: float) -> IntArray:
@@ -69,21 +81,23 @@ def _connected(grid: ViewGrid, free: BoolArray) -> IntArray:
     return np.asarray(cv2.connectedComponents(double, connectivity=4)[1][::2, ::2], dtype=np.intp)
 
 
-def _flooded(grid: ViewGrid, names: IntArray) -> IntArray:
-    """The names spread, cell by cell, over what has none: each takes that of its nearest neighbour in space."""
-    sides = []
+def _flooded(grid: ViewGrid, names: IntArray, normals: FloatArray) -> IntArray:
+    """The names spread, cell by cell, over what has none.
+
+    Of its neighbours a cell joins the one whose plane, by `normals` (3, rows, columns) from beyond the seam, it lies
+    nearest to.
+    """
     places = grid.places()
-    for step in (DOWN, RIGHT, (-1, 0), (0, -1)):
-        apart = np.sqrt(((shifted(places, step) - places) ** 2).sum(axis=0))
-        sides.append((step, np.where(grid.smooth_to(step), apart, np.inf)))
     for _ in range(MOST_FLOODS):
         waiting = grid.known & (names == 0)
-        spread, nearest = names.copy(), np.full(names.shape, np.inf)
-        for step, apart in sides:
-            name = shifted(names, step)
-            closer = waiting & (name > 0) & (apart < nearest)
-            spread[closer], nearest[closer] = name[closer], apart[closer]
+        spread, turned, least = names.copy(), normals.copy(), np.full(names.shape, np.inf)
+        for step in SIDES:
+            name, normal = shifted(names, step), shifted(normals, step)
+            off = np.abs(((places - shifted(places, step)) * normal).sum(axis=0))
+            closer = waiting & (name > 0) & grid.smooth_to(step) & (off < least)
+            spread[closer], least[closer] = name[closer], off[closer]
+            turned[:, closer] = normal[:, closer]
         if (spread == names).all():
             break
-        names = spread
+        names, normals = spread, turned
     return names

@@ -14,13 +14,12 @@ LEAST_NEIGHBOURS = 3
 """Neighbours of a cell that a plane needs besides itself."""
 
 
-def seam_cells(grid: ViewGrid, seam_deg: float) -> BoolArray:
-    """Cells (rows, columns) at which the surface has a concave bend of more than `seam_deg`, or no normal.
+def seam_cells(grid: ViewGrid, normals: FloatArray, has_normal: BoolArray, seam_deg: float) -> BoolArray:
+    """Cells (rows, columns) at which the surface has a concave bend of more than `seam_deg`.
 
     With normals n1, n2 at places x1, x2 on both sides, (n2 − n1) · (x2 − x1) / |x2 − x1| is 2 sin(β/2) for a bend by β,
     positive where the surface is convex.
     """
-    normals, has_normal = _normals(grid)
     places, sharpest = grid.places(), np.zeros(grid.known.shape)
     for line in LINES:
         ahead = (REACH_CELLS * line[0], REACH_CELLS * line[1])
@@ -31,10 +30,10 @@ def seam_cells(grid: ViewGrid, seam_deg: float) -> BoolArray:
         turn = shifted(normals, ahead) - shifted(normals, back)
         length = np.maximum(np.sqrt((way**2).sum(axis=0)), 1e-9)
         sharpest = np.where(both, np.minimum(sharpest, (turn * way).sum(axis=0) / length), sharpest)
-    return np.asarray((sharpest < -2 * np.sin(np.radians(0.5 * seam_deg))) | (grid.known & ~has_normal))
+    return np.asarray(sharpest < -2 * np.sin(np.radians(0.5 * seam_deg)))
 
 
-def _normals(grid: ViewGrid) -> tuple[FloatArray, BoolArray]:
+def surface_normals(grid: ViewGrid) -> tuple[FloatArray, BoolArray]:
     """Unit normals (3, rows, columns) toward the sensor, by planes through 3 × 3 cells, and where there are any.
 
     A plane a·X = 1 has the inverse depth a·(x, y, 1) in the image, which is fitted by least squares.

@@ -28,7 +28,7 @@ class ViewGrid:
 
     `x`, `y` (rows, columns) are the image's coordinates of that mean, at distance 1 before the viewpoint, and `depth`
     is how far it lies along the line of sight; `known` says where there is one. `cell` (n,) is the flat index of each
-    point's cell, which is `cell_m` wide where the points are, and `jump_m` the most that the depth of a seen surface
+    point's cell and `point_depth` (n,) its own depth; a cell is `cell_m` wide where the points are, and `jump_m` the most that the depth of a seen surface
     changes from one cell to the next.
     """
 
@@ -37,6 +37,7 @@ class ViewGrid:
     depth: FloatArray
     known: BoolArray
     cell: IntArray
+    point_depth: FloatArray
     cell_m: float
     jump_m: float
 
@@ -58,7 +59,14 @@ class ViewGrid:
         front = np.flatnonzero(local[2] < nearest[cell] + jump_m)
         x, y, depth = (raster.mean(cell[front], values[front], np.inf) for values in (x, y, local[2]))
         return cls(
-            x=x, y=y, depth=depth, known=np.isfinite(depth), cell=cell, cell_m=cell_m, jump_m=float(jump_m)
+            x=x,
+            y=y,
+            depth=depth,
+            known=np.isfinite(depth),
+            cell=cell,
+            point_depth=local[2],
+            cell_m=cell_m,
+            jump_m=float(jump_m),
         )
 
     def smooth_to(self, step: Step) -> BoolArray:
@@ -67,6 +75,21 @@ class ViewGrid:
         with np.errstate(invalid="ignore"):
             apart = np.abs(there - self.depth)
         return np.asarray(apart < np.hypot(*step) * self.jump_m)
+
+    def of_points(self, values: IntArray) -> IntArray:
+        """`values` (rows, columns) for each of the points (n,): of its cell, or of that beside it which is as deep.
+
+        A cell at an edge holds points of what is before and of what is behind.
+        """
+        found = values.ravel()[self.cell]
+        off = np.abs(self.point_depth - self.depth.ravel()[self.cell])
+        odd = np.flatnonzero(off > self.cell_m)
+        around = self.cell[odd, None] + [down * values.shape[1] + right for down, right in neighbours()]
+        apart = np.abs(self.depth.ravel()[around] - self.point_depth[odd, None])
+        best = apart.argmin(axis=1)
+        better = apart[np.arange(len(odd)), best] < off[odd]
+        found[odd[better]] = values.ravel()[around[better, best[better]]]
+        return found
 
     def places(self) -> FloatArray:
         """The means (3, rows, columns) in space; 0 where nothing is known."""
