@@ -52,10 +52,10 @@ LEAST_OUTSIDE = 0.3
 class Clusters:
     """Indices of the points of each object, and of those above the plane that belong to none; and the plane itself.
 
-    Objects that touched have the same of the `groups`, None is the group of those that stand apart.
-    `container` are the indices of the points of a bin around the objects, whose walls are `solid` (k, 3). `floor` is what
-    was seen of the plane with nothing on it. `lie_on_table` says whether there are objects, and enough
-    of the plane around them not to be part of one; `extent_m` is the plane's diagonal.
+    Objects that touched have the same of the `groups`; None is that of those that stand apart. `container` are the
+    indices of the points of a bin around the objects, whose walls are `solid` (k, 3). `floor` is what was seen of the
+    plane with nothing on it. `lie_on_table` says whether there are objects, and enough of the plane around them not to
+    be part of one; `extent_m` is the plane's diagonal.
     """
 
     members: tuple[IntArray, ...]

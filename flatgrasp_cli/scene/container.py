@@ -32,7 +32,7 @@ WALL_STEP_M = 0.01
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Container:
-    """A bin in cells (rows, columns) of the `raster` of a support plane's `frame`: its `inside`, and its whole `ground`."""
+    """A bin in cells (rows, columns) of the `raster` of a support plane's `frame`: its `inside` and its `ground`."""
 
     frame: Frame
     raster: Raster

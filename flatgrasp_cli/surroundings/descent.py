@@ -16,7 +16,7 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
-from flatgrasp_cli.surroundings.below import fingers_meet, palm_meets, too_low, under_fingers, under_palm
+from flatgrasp_cli.surroundings.below import fingers_meet, palm_meets, palm_room, too_low, under_fingers, under_palm
 from flatgrasp_cli.surroundings.slices import lowest_tip
 from flatgrasp_cli.surroundings.walls import walls
 
@@ -55,7 +55,7 @@ def descended(
     lowest = np.minimum(around.lowest_m, lowest_tip(held.firm, depth))
     lowest = np.maximum(lowest, around.level_m - depth.slice_step_m)  # what is deeper is a lower slice's
     headroom = gripper.finger_length_m - depth.palm_clearance_m
-    palm = under_palm(grasps.center, grasps.axis, maps.coarse, lowest.min() + headroom, gripper)
+    palm = under_palm(grasps, maps.coarse, lowest.min() + headroom, gripper)
     tips = _tips(below, palm - headroom, lowest, held, around)
     choice = np.argmax(tips <= tips.min(axis=0) + LOWER_M, axis=0)  # widest of those that let the tips down
     columns = np.arange(len(grasps))
@@ -80,6 +80,8 @@ def descended(
         unseen=unseen[choice, columns],
         touch=np.clip(held.seen, tip, np.maximum(held.wall, tip)),
     ).select(kept)
+    room = palm_room(grasps, maps.coarse, headroom, gripper, settings.hand)
+    grasps = grasps.having(margin=np.minimum(grasps.margin, room))
     return _looked_into(grasps, funnel) if depth.unseen == "refuse" else grasps
 
 

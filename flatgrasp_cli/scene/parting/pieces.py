@@ -62,8 +62,8 @@ def _of_size(names: IntArray, cells: float) -> IntArray:
 def fitting_cell_m(spacing_m: float, noise_m: float, seam_deg: float) -> float:
     """Side of cells whose normals are so sure that noise makes no seam of `seam_deg`.
 
-    The mean of the (c/s)² points in a cell of side c scatters by σ s/c, the slope of a plane through 3 × 3 such cells by
-    σ s/(√6 c²), and the difference of two slopes by √2 times that.
+    The mean of the (c/s)² points in a cell of side c scatters by σ s/c, the slope of a plane through 3 × 3 such cells
+    by σ s/(√6 c²), and the difference of two slopes by √2 times that.
     """
     return float(np.sqrt(SURE_SIGMAS * np.sqrt(2 / 6) * noise_m * spacing_m / np.radians(seam_deg)))
 

@@ -41,15 +41,13 @@ def surface_normals(grid: ViewGrid) -> tuple[FloatArray, BoolArray]:
     inverse = np.where(grid.known, 1.0 / np.where(grid.known, grid.depth, 1.0), 0.0)
     x, y = np.where(grid.known, grid.x, 0.0), np.where(grid.known, grid.y, 0.0)
     count = grid.known.astype(np.float64)
-    u, v, w, uu, uv, vv, uw, vw = np.zeros((8, *grid.known.shape))
+    sums = np.zeros((8, *grid.known.shape))
     for step in neighbours():
         seen = grid.smooth_to(step)
         du, dv, dw = (np.where(seen, shifted(values, step) - values, 0.0) for values in (x, y, inverse))
         count += seen
-        for total, values in (
-            *((u, du), (v, dv), (w, dw), (uu, du * du), (uv, du * dv), (vv, dv * dv), (uw, du * dw), (vw, dv * dw)),
-        ):
-            total += values
+        sums += [du, dv, dw, du * du, du * dv, dv * dv, du * dw, dv * dw]
+    u, v, w, uu, uv, vv, uw, vw = sums
     count = np.maximum(count, 1.0)
     uu, uv, vv = uu - u * u / count, uv - u * v / count, vv - v * v / count
     uw, vw = uw - u * w / count, vw - v * w / count

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.raster import Raster
@@ -20,6 +22,7 @@ MOST_ASIDE = 4.0
 """Tangent of the widest angle to the line of sight: of points beside or behind the viewpoint there is no image."""
 
 Step = tuple[int, int]
+T = TypeVar("T", bound=np.generic)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,8 +31,8 @@ class ViewGrid:
 
     `x`, `y` (rows, columns) are the image's coordinates of that mean, at distance 1 before the viewpoint, and `depth`
     is how far it lies along the line of sight; `known` says where there is one. `cell` (n,) is the flat index of each
-    point's cell and `point_depth` (n,) its own depth; a cell is `cell_m` wide where the points are, and `jump_m` the most that the depth of a seen surface
-    changes from one cell to the next.
+    point's cell and `point_depth` (n,) its own depth. A cell is `cell_m` wide where the points are, and `jump_m` is the
+    most that the depth of a seen surface changes from one cell to the next.
     """
 
     x: FloatArray
@@ -98,7 +101,7 @@ class ViewGrid:
         return np.stack([x * depth, y * depth, depth])
 
 
-def shifted(values: FloatArray, step: Step) -> FloatArray:
+def shifted(values: NDArray[T], step: Step) -> NDArray[T]:
     """`values` (…, rows, columns) of the cells that lie so many rows and columns further."""
     return np.roll(values, (-step[0], -step[1]), axis=(-2, -1))
 
