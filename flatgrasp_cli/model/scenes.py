@@ -53,6 +53,7 @@ class ObjectCloud:
     They were seen from `viewpoint` (3,), or, if that is None, from all sides. `support` is the plane it stands on, None
     when it was seen alone, and `floor` what was seen of that. Near it lie other points above the plane, `obstacles`
     (m, 3), for fingers and palm to keep clear of. Objects that touch have the same `group`; None touches no other.
+    `cut_off` says that the picture's edge cuts it off, so that it goes on where nobody looked.
     """
 
     id: int
@@ -63,6 +64,7 @@ class ObjectCloud:
     obstacles: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
     floor: Floor | None = None
     group: int | None = None
+    cut_off: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)

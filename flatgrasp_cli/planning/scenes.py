@@ -112,6 +112,10 @@ def _table_tilted(support: SupportPlane | None) -> tuple[CloudWarning, ...]:
     return (CloudWarning("table_tilted", text),)
 
 
-def _best_first(item: ObjectPlan) -> tuple[float, int]:
-    """Objects in the order of their best grasps; those without one last, larger first."""
-    return (item.grasps[0].cost_m if item.grasps else math.inf, -len(item.object.points))
+def _best_first(item: ObjectPlan) -> tuple[bool, bool, float, int]:
+    """Objects in the order of their best grasps, what the picture cuts off after the others.
+
+    Those without a grasp come last, larger first.
+    """
+    cost = item.grasps[0].cost_m if item.grasps else math.inf
+    return (not item.grasps, item.object.cut_off, cost, -len(item.object.points))

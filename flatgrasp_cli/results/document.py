@@ -46,6 +46,7 @@ from flatgrasp_cli.results.contracts.objects import (
 )
 from flatgrasp_cli.results.contracts.plan import (
     SCHEMA_ID,
+    ContainerPart,
     Document,
     SensorPart,
     SourcePart,
@@ -96,6 +97,7 @@ def to_document(plan: Plan, read_ms: float = 0.0) -> dict[str, Any]:
         robot=_optional(_values, plan.robot),
         settings=_values(plan.settings),
         support_plane=_optional(_plane, plan.scene.support),
+        container=_container(plan),
         objects=[_object(item, plan) for item in plan.objects],
         timing_ms=TimingPart(
             read=round(read_ms, 3),
@@ -111,6 +113,13 @@ def to_json(document: dict[str, Any], *, indent: int | None = None) -> str:
     """The document as text; raises `ValueError` rather than write NaN."""
     separators = (",", ":") if indent is None else None
     return json.dumps(document, indent=indent, separators=separators, allow_nan=False, ensure_ascii=False)
+
+
+def _container(plan: Plan) -> ContainerPart | None:
+    points, support = plan.scene.container, plan.scene.support
+    if support is None or len(points) == 0:
+        return None
+    return ContainerPart(points=len(points), height_m=float(support.heights(points).max()))
 
 
 def _sensor(sensor: Sensor) -> SensorPart:
@@ -133,6 +142,8 @@ def _object(item: ObjectPlan, plan: Plan) -> ObjectPart:
     return ObjectPart(
         id=item.object.id,
         points=len(item.object.points),
+        cut_off=item.object.cut_off,
+        touches_others=item.object.group is not None,
         status="ok" if item.grasps else "no_grasp",
         reason=rejection.reason if rejection else None,
         remedy=remedy_of(plan, item),

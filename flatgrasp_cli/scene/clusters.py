@@ -170,9 +170,9 @@ def _broad(mask: BoolArray, cell_m: float) -> BoolArray:
     bridged = cv2.dilate(mask.view(np.uint8), np.ones((3, 3), np.uint8))
     width = 2 * round(0.5 * PATCH_M / cell_m) + 1
     labels = _labels(bridged)
-    return np.asarray(
-        np.isin(labels, np.unique(labels[cv2.erode(bridged, np.ones((width, width), np.uint8)) > 0])) & mask
-    )
+    core = cv2.erode(bridged, np.ones((width, width), np.uint8)) > 0
+    broad = np.bincount(labels[core], minlength=int(labels.max()) + 1) > 0
+    return np.asarray(broad[labels] & mask)
 
 
 def _objects(
@@ -231,7 +231,8 @@ def _sectors(low: IntArray, high: IntArray, middle: FloatArray, table: BoolArray
     start, end = np.maximum(low - round(reach), 0), high + round(reach)
     row, column = np.nonzero(table[start[0] : end[0], start[1] : end[1]])
     angle = np.arctan2(row + start[0] - middle[0], column + start[1] - middle[1])
-    return len(np.unique(np.floor(angle * SECTORS / (2 * np.pi)) % SECTORS))
+    sector = np.floor(angle * SECTORS / (2 * np.pi)) % SECTORS
+    return int(np.count_nonzero(np.bincount(sector.astype(np.intp), minlength=SECTORS)))
 
 
 def _outside_share(labels: IntArray, chosen: list[int], table: BoolArray) -> float:

@@ -11,8 +11,11 @@ from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntA
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.height_map import UNSEEN
 from flatgrasp_cli.geometry.raster import Raster
+from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Floor
 
+SAMPLE = 60_000
+"""Points that the walls are looked for in: several in a cell of a frame's raster."""
 LEVELS_M = (0.012, 0.025, 0.05, 0.1)
 """Heights over the floor to which water is poured in: the lowest rims that keep a hand out of things, and higher ones
 where things hide the floor."""
@@ -72,7 +75,7 @@ def find_container(points: FloatArray, floor: Floor, *, stated: bool) -> Contain
     edge, and in cells that were not seen it stands as in the nearest one that was.
     """
     least_m = LEAST_STATED_M if stated else LEAST_WIDE_M
-    x, y, height = floor.frame.to_local(points).T
+    x, y, height = floor.frame.to_local(points[spread_indices(len(points), SAMPLE)]).T
     if len(points) == 0 or min(np.ptp(x), np.ptp(y)) < least_m:
         return None
     raster = floor.levels.raster
@@ -82,7 +85,7 @@ def find_container(points: FloatArray, floor: Floor, *, stated: bool) -> Contain
         outside, pools = _poured(~_closed(filled >= level, GAP_M / raster.cell_m))
         # a container is the ground that no water from outside reaches, walls and things and pools alike
         grounds = _connected(~outside, 8)
-        for ground in np.unique(grounds[pools]).tolist():
+        for ground in np.flatnonzero(np.bincount(grounds[pools])).tolist():
             pool = pools & (grounds == ground)
             inside = _rectangle(pool, least_m / raster.cell_m)
             if inside is not None and np.count_nonzero(pool) >= LEAST_WET * np.count_nonzero(inside):
@@ -111,7 +114,8 @@ def _poured(low: BoolArray) -> tuple[BoolArray, BoolArray]:
     """The cells (rows, columns) under water that runs out over the edge, and those under water that stands."""
     pools = _connected(low, 4)
     edge = np.concatenate([pools[0], pools[-1], pools[:, 0], pools[:, -1]])
-    outside = low & np.isin(pools, np.unique(edge))
+    runs_out = np.bincount(edge, minlength=int(pools.max()) + 1) > 0
+    outside = low & runs_out[pools]
     return np.asarray(outside), np.asarray(low & ~outside)
 
 

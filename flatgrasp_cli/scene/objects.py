@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.model import Cloud, ObjectCloud, Sensor, SupportPlane
 from flatgrasp_cli.scene.clusters import Clusters
+from flatgrasp_cli.scene.picture import cut_off
 from flatgrasp_cli.scene.support_plane import looks_down
 
 NEAR_M = 0.2
@@ -35,15 +38,18 @@ def objects_of(
     places = [np.arange(end - len(own), end) for own, end in zip(clusters.members, ends, strict=True)]
     groups = clusters.groups or (None,) * len(places)
     around = _Around(standing, sensor, plane, clusters)
+    cut = cut_off(cloud, overlook(cloud.points, sensor, plane), clusters.members, clusters.floor.spacing_m)
     objects = tuple(
-        around.object(index, place, group) for index, (place, group) in enumerate(zip(places, groups, strict=True))
+        replace(around.object(index, place), group=groups[index], cut_off=cut[index])
+        for index, place in enumerate(places)
     )
     wholes = []
     for group in sorted({group for group in groups if group is not None}):
         parts = [index for index, own in enumerate(groups) if own == group]
         place = np.concatenate([places[index] for index in parts])
         if np.linalg.norm(np.ptp(standing[place], axis=0)) <= LONGEST_WHOLE_M:
-            wholes.append(around.object(parts[0], place, group))
+            whole = around.object(parts[0], place)
+            wholes.append(replace(whole, group=group, cut_off=any(cut[index] for index in parts)))
     return objects, tuple(wholes)
 
 
@@ -55,7 +61,7 @@ class _Around:
         self.sensor, self.plane, self.floor = sensor, plane, clusters.floor
         self.seen_from_above = looks_down(sensor, plane.normal, plane.offset_m)
 
-    def object(self, index: int, mine: IntArray, group: int | None) -> ObjectCloud:
+    def object(self, index: int, mine: IntArray) -> ObjectCloud:
         """The object number `index` that has the points `mine` (k,), with what stands near it."""
         near = np.ones(len(self.standing), dtype=np.bool_)
         for values in self.columns:
@@ -72,5 +78,4 @@ class _Around:
             support=self.plane,
             obstacles=self.standing[np.flatnonzero(near)],
             floor=self.floor,
-            group=group,
         )

@@ -18,8 +18,9 @@ NOISE_SIGMAS = 3.0
 MOST_CELLS = 200_000
 RIM_CELLS = 3
 """Empty cells around all points: shifted images wrap around, and no seam looks farther than that."""
-MOST_ASIDE = 4.0
-"""Tangent of the widest angle to the line of sight: of points beside or behind the viewpoint there is no image."""
+MOST_ASIDE, LEAST_AHEAD = 4.0, 0.1
+"""Tangent of the widest angle to the line of sight: of points beside or behind the viewpoint there is no image.
+Nor is there of those that are nearer than this share of the distance to most."""
 
 Step = tuple[int, int]
 T = TypeVar("T", bound=np.generic)
@@ -47,9 +48,8 @@ class ViewGrid:
     @classmethod
     def of(cls, points: FloatArray, viewpoint: FloatArray, cell_m: float, noise_m: float) -> ViewGrid:
         """The image of `points` (n, 3) from `viewpoint` (3,), whose noise along the line of sight is `noise_m`."""
-        local = _before(points, viewpoint)
-        distance = float(np.median(local[2]))
-        x, y = np.clip(local[:2] / np.maximum(local[2], 0.1 * distance), -MOST_ASIDE, MOST_ASIDE)
+        x, y, point_depth = image_of(points, viewpoint)
+        distance = float(np.median(point_depth))
         pitch = cell_m / distance
         rim = RIM_CELLS * pitch
         low, high = np.array([x.min(), y.min()]) - rim, np.array([x.max(), y.max()]) + rim
@@ -58,16 +58,16 @@ class ViewGrid:
         cell = raster.cells(x, y)
         jump_m = cell_m / np.tan(np.radians(LOST_DEG)) + NOISE_SIGMAS * noise_m
         nearest = np.full(raster.size, np.inf)
-        np.minimum.at(nearest, cell, local[2])
-        front = np.flatnonzero(local[2] < nearest[cell] + jump_m)
-        x, y, depth = (raster.mean(cell[front], values[front], np.inf) for values in (x, y, local[2]))
+        np.minimum.at(nearest, cell, point_depth)
+        front = np.flatnonzero(point_depth < nearest[cell] + jump_m)
+        x, y, depth = (raster.mean(cell[front], values[front], np.inf) for values in (x, y, point_depth))
         return cls(
             x=x,
             y=y,
             depth=depth,
             known=np.isfinite(depth),
             cell=cell,
-            point_depth=local[2],
+            point_depth=point_depth,
             cell_m=cell_m,
             jump_m=float(jump_m),
         )
@@ -111,10 +111,16 @@ def neighbours() -> Iterator[Step]:
     return ((down, right) for down in (-1, 0, 1) for right in (-1, 0, 1) if (down, right) != (0, 0))
 
 
-def _before(points: FloatArray, viewpoint: FloatArray) -> FloatArray:
-    """Coordinates (3, n): across the line of sight from `viewpoint` (3,) to the middle of `points`, and along it."""
+def image_of(points: FloatArray, viewpoint: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Image coordinates x and y at distance 1, and depths (n,), of `points` (n, 3) seen from `viewpoint` (3,).
+
+    The line of sight goes to the middle of the points.
+    """
     sight = points.mean(axis=0) - viewpoint
     sight /= max(float(np.linalg.norm(sight)), 1e-9)
-    x = np.cross(np.eye(3)[int(np.argmin(np.abs(sight)))], sight)
-    x /= np.linalg.norm(x)
-    return np.stack([x, np.cross(sight, x), sight]) @ (points - viewpoint).T
+    across = np.cross(np.eye(3)[int(np.argmin(np.abs(sight)))], sight)
+    across /= np.linalg.norm(across)
+    local = np.stack([across, np.cross(sight, across), sight]) @ (points - viewpoint).T
+    ahead = np.maximum(local[2], LEAST_AHEAD * float(np.median(local[2])))
+    x, y = np.clip(local[:2] / ahead, -MOST_ASIDE, MOST_ASIDE)
+    return x, y, local[2]
