@@ -56,7 +56,7 @@ class Heap:
             return self._in_container(container)
         clusters = self.clusters
         objects = self._objects_of(clusters.members)
-        return replace(clusters, **_largest_first(objects), clutter=self._rest(objects))
+        return replace(clusters, **_largest_first(objects), clutter=self._rest(*(rows for rows, _ in objects)))
 
     def _in_container(self, container: Container | None) -> Clusters:
         """The things in a container and beside it, and the container; None is one of which only the inside is seen.
@@ -88,7 +88,7 @@ class Heap:
         return replace(
             self.clusters,
             **_largest_first(objects),
-            clutter=np.setdiff1d(self._rest(objects), wall),
+            clutter=self._rest(wall, *(rows for rows, _ in objects)),
             container=wall,
             solid=np.empty((0, 3)) if container is None else container.solid(self.points[wall]),
         )
@@ -101,11 +101,13 @@ class Heap:
             found += [(part, group if len(parts) > 1 else None) for part in parts]
         return found
 
-    def _rest(self, objects: list[Piece]) -> IntArray:
-        """The points above the plane that belong to no object."""
-        return (
-            np.setdiff1d(self._standing, np.concatenate([rows for rows, _ in objects])) if objects else self._standing
-        )
+    def _rest(self, *taken: IntArray) -> IntArray:
+        """The points above the plane that are not `taken`."""
+        free = np.ones(len(self.points), dtype=np.bool_)
+        for rows in taken:
+            free[rows] = False
+        standing = self._standing
+        return np.asarray(standing[free[standing]])
 
     @property
     def _standing(self) -> IntArray:
@@ -125,8 +127,8 @@ class Heap:
 
     def _pieces(self, rows: IntArray) -> list[IntArray]:
         """The `rows` (n,) of points piece by piece."""
-        if len(rows) == 0:
-            return []
+        if len(rows) * self.clusters.floor.spacing_m**2 < 2 * self.settings.least_part_m**2:
+            return [rows] if len(rows) else []
         names = pieces(
             self.points[rows],
             self.viewpoint,
