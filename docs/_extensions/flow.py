@@ -34,10 +34,10 @@ WORKING = (
     Room("robot", ("poses, joints,", "reach")),
     Room("results", ("JSON, tables,", "pictures")),
 )
-PASSED = ("Sensor", "Objects", "Grasps", "Proofs", "Plan")
+PASSED = ("Sensor", "Objects", "Grasps", "Poses", "Plan")
 """What goes from each working room to the next."""
 ASKED = (
-    Room("surroundings", ("what stands around, along the approach,", "and what of it was seen")),
+    Room("surroundings", ("what stands around it,", "and what of that was seen")),
     Room("ranking", ("what makes one grasp", "better than another")),
     Room("methods", ("the paper's, and its", "reference [1], by name")),
     Room("funnel", ("what each stage keeps,", "and why nothing is left")),
@@ -51,7 +51,7 @@ UNDERLYING = (
 COMPOSING = Room("planning", ("plan(cloud, gripper, settings) → Plan: composes sensor, scene, planner and robot",))
 ROOMS = (*ASKING, *READING, COMPOSING, *WORKING, *ASKED, *UNDERLYING)
 
-WIDTH, HEIGHT, MARGIN, GAP = 1000, 632, 10, 60
+WIDTH, HEIGHT, MARGIN, GAP = 1000, 638, 10, 60
 INK, LINE, PAPER = "#1b1f24", "#57606a", "#ffffff"
 ASK, COMPOSE, WORK, UNDERLIE = "#ddeeff", "#fff3cd", "#e2f2df", "#eceef1"
 
@@ -68,8 +68,8 @@ def svg() -> str:
         *_arrows(PASSED, 306 + 42),
         _text(MARGIN, 418, "What the method asks", "start"),
         *_row(ASKED, 430, COMPOSE, GAP / 3),
-        _text(MARGIN, 530, "What everything stands on: imports go down, never up", "start"),
-        *_row(UNDERLYING, 542, UNDERLIE, GAP / 3),
+        _text(MARGIN, 536, "What everything stands on: imports go down, never up", "start"),
+        *_row(UNDERLYING, 548, UNDERLIE, GAP / 3),
     ]
     head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" font-family="sans-serif">'
     arrow = (

@@ -9,6 +9,8 @@ from moveit.planning import MoveItPy
 from std_msgs.msg import Header
 
 document = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
+if document["status"] != "ok":
+    sys.exit(f"no grasp: {document['reason']}")
 pose = document["objects"][0]["grasps"][0]["flange"]["pre_grasp"]
 place, turn = Point(**dict(zip("xyz", pose["position"]))), Quaternion(**dict(zip("xyzw", pose["orientation"])))
 goal = PoseStamped(header=Header(frame_id=document["frame_id"]), pose=Pose(position=place, orientation=turn))

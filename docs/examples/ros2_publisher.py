@@ -10,6 +10,8 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import Header
 
 document = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
+if document["status"] != "ok":
+    sys.exit(f"no grasp: {document['reason']}")
 message = PoseArray(header=Header(frame_id=document["frame_id"]))
 for name in ("pre_grasp", "pose", "lift"):
     pose = document["objects"][0]["grasps"][0]["flange"][name]

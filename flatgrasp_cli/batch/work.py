@@ -93,13 +93,13 @@ def _object_record(item: dict[str, Any]) -> dict[str, Any]:
 
 
 def _sketch(plan: Plan) -> list[dict[str, Any]]:
-    """Outline and contacts of each object in whole millimetres, as pictures have them: enough for a small drawing."""
+    """Silhouette and contacts of each object in whole millimetres, as pictures have them, for a small drawing."""
     view = view_of(plan, normal_of(plan))
     things = []
     for item in plan.objects:
-        outline = item.silhouette
-        if outline is not None and outline.loops:
-            loops = [view.of_plane(outline.frame, loop).round().astype(int).tolist() for loop in outline.loops]
+        silhouette = item.silhouette
+        if silhouette is not None and silhouette.loops:
+            loops = [view.of_plane(silhouette.frame, loop).round().astype(int).tolist() for loop in silhouette.loops]
             ends = view.of_world(item.grasps[0].contacts) if item.grasps else np.empty((0, 2))
             things.append({"id": item.object.id, "loops": loops, "contacts": ends.round().astype(int).tolist()})
     return things

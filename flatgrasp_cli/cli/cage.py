@@ -31,13 +31,17 @@ LISTED = 50
 
 @dataclass(frozen=True, slots=True)
 class _Outline:
-    """What is caged: `thing` is its number in its cloud, None for a polygon; `stem` names its files."""
+    """What is caged: `thing` is its number in its cloud, None for a polygon; `stem` names its files.
+
+    `missing` says why there are no loops, where the planner knows more than that the points are too scattered.
+    """
 
     stem: str
     source: str
     thing: int | None
     loops: tuple[FloatArray, ...]
     settings: CagingSettings
+    missing: str | None = None
 
 
 @click.command("cage", context_settings=context_of("cage"))
@@ -63,6 +67,7 @@ def command(source: str, job: Job, out: Path | None, as_json: bool) -> int:
         for one in outlines:
             found = immobilising_grasps(one.loops, one.settings) if one.loops else ()
             document = cage_document(one.source, one.thing, one.loops, found, one.settings)
+            document["reason"] = one.missing or document["reason"]
             if as_json:
                 click.echo(to_json(document))
             else:
@@ -104,7 +109,12 @@ def _outlines(source: str, job: Job) -> Iterator[list[_Outline]]:
 def _of_object(item: ObjectPlan, name: str, source: str, caging: CagingSettings) -> _Outline:
     thing, outline = item.object.id, item.silhouette
     return _Outline(
-        stem=f"{name}.{thing}", source=source, thing=thing, loops=outline.loops if outline else (), settings=caging
+        stem=f"{name}.{thing}",
+        source=source,
+        thing=thing,
+        loops=outline.loops if outline else (),
+        settings=caging,
+        missing=item.rejection.reason if outline is None and item.rejection else None,
     )
 
 
@@ -131,7 +141,8 @@ def _print(document: dict[str, Any]) -> None:
             "   ".join(f"{x:.4g} {y:.4g}" for x, y in grasp["contacts"]),
         )
     more = len(document["grasps"]) - LISTED
-    show(Text(name), table, *([Text(f"and {more} more; --json lists them")] if more > 0 else []))
+    unit = "in the polygon's own unit" if document["object"] is None else "in metres"
+    show(Text(f"{name}; lengths {unit}"), table, *([Text(f"and {more} more; --json lists them")] if more > 0 else []))
 
 
 def _figure(outline: _Outline, found: tuple[Immobilisation, ...]) -> Figure | None:
@@ -139,4 +150,6 @@ def _figure(outline: _Outline, found: tuple[Immobilisation, ...]) -> Figure | No
 
     if not outline.loops:
         return None
-    return cage_figure(outline.loops, found, Path(outline.source).name, in_metres=outline.thing is not None)
+    name = Path(outline.source).name
+    title = name if outline.thing is None else f"{name}, object {outline.thing}"
+    return cage_figure(outline.loops, found, title, in_metres=outline.thing is not None)

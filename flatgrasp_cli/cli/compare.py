@@ -21,6 +21,11 @@ if TYPE_CHECKING:
     from flatgrasp_cli.planning import Plan
 
 
+WIDEST_NAME = 24
+"""Names of sources up to this long are never broken, longer ones are: the reasons beside them keep a sixth of a line of
+80 columns."""
+
+
 @click.command("compare", context_settings=context_of("compare"))
 @click.argument("sources", metavar="CLOUD…", nargs=-1, required=True)
 @planning_options
@@ -84,7 +89,8 @@ def _print(rows: list[dict[str, Any]]) -> None:
     from rich.text import Text
 
     table = Table(box=SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
-    table.add_column("source", overflow="fold")
+    longest = max(len(Path(row["source"]).name) for row in rows)
+    table.add_column("source", overflow="fold", no_wrap=longest <= WIDEST_NAME, max_width=WIDEST_NAME)
     for heading in ("object", "our best\nmm", "caged", "point\nfingers", "the hand\ncan"):
         table.add_column(heading, justify="right", no_wrap=True)
     table.add_column("why not the first that it cannot", overflow="fold")

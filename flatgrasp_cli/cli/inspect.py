@@ -92,7 +92,7 @@ def _topics(topics: tuple[TopicSummary, ...]) -> Table:
     table = Table(box=SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
     for heading in ("topic", "type", "encoding"):
         table.add_column(heading, overflow="fold")
-    for heading in ("messages", "rate Hz"):
+    for heading in ("count", "Hz"):
         table.add_column(heading, justify="right", no_wrap=True)
     for topic in topics:
         count = "?" if topic.count is None else str(topic.count)

@@ -9,6 +9,7 @@ import numpy as np
 
 from flatgrasp_cli.errors import UsageError
 from flatgrasp_cli.model import Sensor
+from flatgrasp_cli.model.clouds import LARGEST_COORDINATE_M
 from flatgrasp_cli.placing import Workcell, workcell
 from flatgrasp_cli.profiles import load_camera_pose, load_robot
 
@@ -21,7 +22,7 @@ def parse_sensor(text: str) -> Sensor | str:
     Raises
     ------
     UsageError
-        If it is empty, or begins as a place but is not three finite numbers.
+        If it is empty, or begins as a place but is not three finite numbers, or is one where no sensor can be.
     """
     if text == "above":
         return Sensor("option")
@@ -35,6 +36,8 @@ def parse_sensor(text: str) -> Sensor | str:
         place = []
     if len(place) != 3 or not all(map(math.isfinite, place)):
         raise UsageError(f"--sensor {text}: give its place X,Y,Z, the name of its frame in a recording, above, or none")
+    if max(map(abs, place)) > LARGEST_COORDINATE_M:
+        raise UsageError(f"--sensor {text}: is more than {LARGEST_COORDINATE_M / 1000:g} km away; give it in metres")
     return Sensor("option", np.array(place))
 
 

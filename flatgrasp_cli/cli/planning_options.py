@@ -49,7 +49,7 @@ OPTIONS = (
     option(
         "--scene",
         type=click.Choice(["auto", "object", "table", "bin"]),
-        help="One object alone, objects on a support plane, or things in a bin; auto: as the cloud says.",
+        help="One object alone, objects on a support plane, or things in a bin; auto: judged by the cloud.",
     ),
     option(
         "--object",

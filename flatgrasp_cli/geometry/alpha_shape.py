@@ -2,7 +2,8 @@
 
 Its boundary is what a disc of radius α touches when it rolls around the points, and inside each hole that is wide
 enough for it. The disc's centre then runs along the line at distance α from the nearest point. A distance transform
-finds that line, in order, and with it the points: so the outline's vertices are points, and no triangulation is made.
+finds that line, in order, and with it the points: so the silhouette's vertices are points, and no triangulation is
+made.
 """
 
 from __future__ import annotations
@@ -35,10 +36,11 @@ class CellGrid:
     def __init__(self, points: FloatArray, alpha_m: float) -> None:
         columns = np.ascontiguousarray(points.T)  # (2, n): reductions run fast over a long last axis
         cell_m = alpha_m / CELLS_PER_ALPHA
-        raster = Raster.over(columns.min(axis=1), columns.max(axis=1), cell_m)
+        x, y = columns
+        raster = Raster.around(x, y, cell_m)
         if raster.cell_m > cell_m:
             raise ValueError(f"cells of {cell_m} m are too many for points {np.ptp(columns, axis=1).max()} m apart")
-        self.cell = raster.cells_within(*columns)
+        self.cell = raster.cells_within(x, y)
         self.occupied: BoolArray = raster.count(self.cell) > 0
 
     def largest_piece(self) -> tuple[BoolArray, float]:
@@ -117,8 +119,8 @@ def _turning(ring: FloatArray, sign: float) -> FloatArray:
 def _filled(ring: FloatArray, alpha_m: float) -> FloatArray:
     """The ring (k, 2) without its notches between points that are no farther apart than α.
 
-    Neighbouring points of a straight edge lie a little in and out: as an outline they would be a zigzag. What is filled
-    is at most α·(1 − √3/2) deep.
+    Neighbouring points of a straight edge lie a little in and out: as a silhouette they would be a zigzag. What is
+    filled is at most α·(1 − √3/2) deep.
     """
     for _ in range(FILLINGS):
         before, after = np.concatenate([ring[-1:], ring[:-1]]), following(ring)

@@ -13,6 +13,9 @@ Float32Array = NDArray[np.float32]
 BoolArray = NDArray[np.bool_]
 ByteArray = NDArray[np.uint8]
 
+IN_CACHE = 20_000
+"""Entries of a few matrices at once that stay in a processor's cache: a result does not depend on it."""
+
 
 def true_entries(matrix: BoolArray) -> tuple[IntArray, IntArray]:
     """Rows and columns (k,) of the true entries of a `matrix` (m, n), in order: several times as fast as `nonzero`."""
@@ -20,7 +23,7 @@ def true_entries(matrix: BoolArray) -> tuple[IntArray, IntArray]:
     return rows, columns
 
 
-def chunks(rows: int, columns: int, most: int) -> Iterator[slice]:
-    """Slices of the rows of a matrix, each of no more than `most` entries, or of one row."""
-    size = max(1, most // max(1, columns))
+def chunks(rows: int, columns: int) -> Iterator[slice]:
+    """Slices of the rows of a matrix, each of as many entries as stay in a processor's cache, or of one row."""
+    size = max(1, IN_CACHE // max(1, columns))
     return (slice(first, first + size) for first in range(0, rows, size))

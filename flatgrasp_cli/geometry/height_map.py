@@ -11,8 +11,6 @@ from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.raster import Raster
 
 UNSEEN = -np.inf
-SLACK_CELLS = 1e-6
-"""Room around the outermost points, in cells: rounding must not put them into the rim."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,9 +36,7 @@ class HeightMap:
     def around(cls, points: FloatArray, cell_m: float, reach_m: float = 0.0) -> HeightMap:
         """An empty map of the area of `points` (n, 3) and of `reach_m` on all sides of it."""
         x, y, _ = points.T
-        reach_m += SLACK_CELLS * cell_m
-        low, high = np.array([x.min(), y.min()]) - reach_m, np.array([x.max(), y.max()]) + reach_m
-        raster = Raster.over(low, high, cell_m)
+        raster = Raster.around(x, y, cell_m, reach_m)
         return cls(raster, np.full(raster.shape, UNSEEN))
 
     def raised(self, points: FloatArray) -> HeightMap:

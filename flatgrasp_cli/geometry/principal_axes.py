@@ -10,9 +10,11 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.rectangle import minimum_area_axis
 
 FLATTEST_RATIO = 1e-4
-"""Middle over major standard deviation under which points count as lying on a line."""
+"""Ratio of the middle standard deviation to the major one below which points lie on a line: a tenth of a millimetre to
+a metre, which no depth sensor resolves."""
 SMALLEST_SPREAD_M = 1e-7
-"""Middle standard deviation under which all points count as one."""
+"""Middle standard deviation below which all points are one, metres: single precision, in which clouds are recorded,
+resolves no less at a metre."""
 
 
 def principal_axes(centred: FloatArray) -> FloatArray | None:

@@ -10,6 +10,8 @@ from flatgrasp_cli.geometry.arrays import Float32Array, FloatArray, IntArray
 
 MAX_CELLS = 4_000_000
 """Cells that a raster may have: 32 MB of numbers."""
+SLACK_CELLS = 1e-6
+"""Room around the outermost points, in cells: rounding must not put them into the rim."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,6 +31,12 @@ class Raster:
         cell_m = max(cell_m, float(np.sqrt(np.prod(high - low + cell_m) / most)))
         rows, columns = (((high - low) / cell_m).astype(np.intp) + 3).tolist()
         return cls(low - cell_m, cell_m, (rows, columns))
+
+    @classmethod
+    def around(cls, x: FloatArray, y: FloatArray, cell_m: float, reach_m: float = 0.0) -> Raster:
+        """The raster over the area of points x and y (n,), none of which falls on the rim, and `reach_m` around it."""
+        reach_m += SLACK_CELLS * cell_m
+        return cls.over(np.array([x.min(), y.min()]) - reach_m, np.array([x.max(), y.max()]) + reach_m, cell_m)
 
     @property
     def inside(self) -> tuple[FloatArray, FloatArray]:

@@ -20,7 +20,7 @@ from flatgrasp_cli.proof.caging import Hands, Immobilisation, immobilising_grasp
 from flatgrasp_cli.surroundings.interface import Surroundings
 
 THIN_M = 1e-4
-"""Fingers that overlap the outline by less than a sliver of this width touch it."""
+"""Fingers that overlap the silhouette by less than a sliver of this width touch it."""
 
 
 def point_fingers(
@@ -33,19 +33,21 @@ def point_fingers(
 ) -> GraspCandidates:
     """The best `top` of the grasps that two point fingers close into, whatever the hand can do."""
     grasps = point_finger_grasps(shape.silhouette, shape.gravity_center.area, settings.caging)
-    funnel.count("immobilising", len(grasps), "no two points of the outline hold it, as on any convex one")
+    funnel.count(
+        "immobilising", len(grasps), "no two points hold this outline without friction; a convex one has none that do"
+    )
     tip, touched = np.full(len(grasps), surroundings.lowest_m), np.full((len(grasps), 2), gripper.finger_width_m)
     return grasps.having(tip=tip, touch=tip, touched_m=touched).select(np.arange(min(top, len(grasps))))
 
 
-def point_finger_grasps(outline: Silhouette, center: FloatArray, settings: CagingSettings) -> GraspCandidates:
-    """The grasps of an outline that two point fingers close into, the one that forgives most first.
+def point_finger_grasps(silhouette: Silhouette, center: FloatArray, settings: CagingSettings) -> GraspCandidates:
+    """The grasps of a silhouette that two point fingers close into, the one that forgives most first.
 
-    Where the distance of the fingers is least, their line is normal to the outline, or to its generalised normal at a
-    corner: the force balance is exact and no friction is needed. `center` (2,) is the object's centre of gravity. Each
-    finger is a candidate of its own.
+    Where the distance of the fingers is least, their line is normal to the silhouette, or to its generalised normal at
+    a corner: the force balance is exact and no friction is needed. `center` (2,) is the object's centre of gravity.
+    Each finger is a candidate of its own.
     """
-    found = immobilising_grasps(outline.loops, settings)
+    found = immobilising_grasps(silhouette.loops, settings)
     contacts = np.array([one.contacts for one in found]).reshape(-1, 2, 2)
     width = np.array([one.width_m for one in found])
     axis = (contacts[:, 1] - contacts[:, 0]) / width[:, None]
@@ -62,7 +64,7 @@ def point_finger_grasps(outline: Silhouette, center: FloatArray, settings: Cagin
         pads=np.column_stack([0.5 * width, 0.5 * width]),
         opening=np.array([one.width_m if one.basin_m is None else one.basin_m for one in found]),
         gravity_distance=np.abs(cross(axis, center - middle)),
-        inside_share=share_inside(outline.loops, contacts[:, 0], contacts[:, 1]),
+        inside_share=share_inside(silhouette.loops, contacts[:, 0], contacts[:, 1]),
         cost=np.array([-min(one.depth_m, one.width_m) for one in found]),
         contacts=contacts,
         variance=none,
@@ -80,14 +82,14 @@ def cage_of(found: Immobilisation, closing: str) -> Cage:
     return replace(cage, opening_min_m=found.escape_m, basin_opening_min_m=found.basin_m)
 
 
-def shortcomings(outline: Silhouette, hands: Hands, gripper: Gripper, settings: PlannerSettings) -> list[str | None]:
+def shortcomings(silhouette: Silhouette, hands: Hands, gripper: Gripper, settings: PlannerSettings) -> list[str | None]:
     """Why a hand cannot carry out each of k grasps; None where it can.
 
-    Its fingers have a width and a thickness, open only so far, and need the outline flat where their pads press.
+    Its fingers have a width and a thickness, open only so far, and need the silhouette flat where their pads press.
     """
     import shapely
 
-    region = shapely.Polygon(outline.loops[0], outline.loops[1:])
+    region = shapely.Polygon(silhouette.loops[0], silhouette.loops[1:])
     shapely.prepare(region)
     return [_shortcoming(region, hands, k, gripper, settings) for k in range(len(hands))]
 

@@ -24,9 +24,9 @@ class Comparison:
 
 
 def compare(item: ObjectPlan, gripper: Gripper, settings: PlannerSettings) -> Comparison:
-    """Both methods' grasps on the outline of one object."""
+    """Both methods' grasps on the silhouette of one object."""
     if item.shape is None:
         return Comparison(item, None, [])
-    outline = item.shape.silhouette
-    found = point_finger_grasps(outline, item.shape.gravity_center.area, settings.caging)
-    return Comparison(item, found, shortcomings(outline, hands_of(found), gripper, settings))
+    silhouette = item.shape.silhouette
+    found = point_finger_grasps(silhouette, item.shape.gravity_center.area, settings.caging)
+    return Comparison(item, found, shortcomings(silhouette, hands_of(found), gripper, settings))

@@ -16,10 +16,10 @@ from flatgrasp_cli.model.clouds import (
     Source,
 )
 from flatgrasp_cli.model.grasps import Cage, Closure, Grasp, Reach, Tolerance
-from flatgrasp_cli.model.outlines import GravityCenter, OrientedBox, PlaneShape, Silhouette, StepPoints
 from flatgrasp_cli.model.plans import ObjectPlan, Rejection, Stage, Trace
 from flatgrasp_cli.model.poses import Pose, Poses, Way
 from flatgrasp_cli.model.scenes import Floor, ObjectCloud, Scene, SupportPlane
+from flatgrasp_cli.model.shapes import GravityCenter, OrientedBox, PlaneShape, Silhouette, StepPoints
 
 __all__ = [
     "SENSOR_FROM_TF",

@@ -123,9 +123,9 @@ class ImageGrid:
 class Cloud:
     """One recorded frame: `points` (n, 3) in metres in `frame_id`.
 
-    Points that were not measured (NaN, infinite, exactly 0 0 0, farther than 10 km) are taken out when a cloud is made,
-    and counted in `dropped`. An array (height, width, 3) makes an organised cloud, whose points are the pixels of one
-    image.
+    Points that were not measured (NaN, infinite, exactly 0 0 0, farther than 10 km, masked in a masked array) are taken
+    out when a cloud is made, and counted in `dropped`. An array (height, width, 3) makes an organised cloud, whose
+    points are the pixels of one image.
 
     >>> Cloud(np.array([[0.0, 0.1, 0.8], [np.nan, np.nan, np.nan]])).dropped
     1
@@ -156,6 +156,8 @@ class Cloud:
     def __post_init__(self) -> None:
         """Check the shapes, and take out what was not measured."""
         points = np.asarray(self.points, dtype=np.float64)
+        if isinstance(self.points, np.ma.MaskedArray):
+            points = np.where(np.ma.getmaskarray(self.points), np.nan, points)
         if points.ndim == 3 and points.shape[2] == 3 and self.pixels is None:
             height, width, _ = points.shape
             object.__setattr__(self, "pixels", ImageGrid((height, width), np.ones(height * width, dtype=np.bool_)))

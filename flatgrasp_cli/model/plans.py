@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.model.candidates import FingerCandidates
 from flatgrasp_cli.model.grasps import Grasp
-from flatgrasp_cli.model.outlines import GravityCenter, OrientedBox, PlaneShape, Silhouette, StepPoints
 from flatgrasp_cli.model.scenes import ObjectCloud
+from flatgrasp_cli.model.shapes import GravityCenter, OrientedBox, PlaneShape, Silhouette, StepPoints
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,8 +56,8 @@ class ObjectPlan:
     """The answer for one object: its grasps, or the rejection that says why there are none.
 
     `refused` are the best of the grasps that a robot cannot carry out. `shape` is what the method ran on, None if the
-    object spans no plane or has no outline; `box` is known without an outline, too. `level_m` is the height over the
-    support plane above which the silhouette was taken.
+    object spans no plane or has no silhouette; `box` is known without a silhouette, too. `level_m` is the height over
+    the support plane above which the silhouette was taken.
     """
 
     object: ObjectCloud
@@ -72,7 +72,7 @@ class ObjectPlan:
 
     @property
     def silhouette(self) -> Silhouette | None:
-        """The outline that the method ran on."""
+        """The silhouette that the method ran on."""
         return None if self.shape is None else self.shape.silhouette
 
     @property

@@ -26,8 +26,8 @@ def opposing_candidates(fingers: FingerCandidates) -> tuple[IntArray, IntArray]:
 def force_balance(fingers: FingerCandidates) -> FloatArray:
     """γ (m, k) in degrees of every candidate for jaw 0 with every candidate for jaw 1.
 
-    0 when their directions are opposed, 180 when they are equal: two unit forces leave a resultant of 2·sin(γ/2), the
-    height of the paper's Fig. 13.
+    It is 0 when their directions are opposed and 180 when they are equal: the resultant of two unit forces is
+    2·sin(γ/2), the height in the paper's Fig. 13.
     """
     rows, columns = opposing_candidates(fingers)
     cosine = -fingers.direction[rows] @ fingers.direction[columns].T
@@ -35,7 +35,7 @@ def force_balance(fingers: FingerCandidates) -> FloatArray:
 
 
 def distinct(fingers: FingerCandidates, rows: IntArray, columns: IntArray) -> BoolArray:
-    """Matrix (m, k) of the pairs that count: all of a thumb with a finger pair, of equal fingers each two once."""
+    """Matrix (m, k) of the pairs that count: each thumb with each finger pair, of equal fingers each two only once."""
     either = (fingers.jaw[rows][:, None] == EITHER_JAW) & (fingers.jaw[columns] == EITHER_JAW)
     return np.asarray(~either | (rows[:, None] < columns))
 
@@ -43,7 +43,7 @@ def distinct(fingers: FingerCandidates, rows: IntArray, columns: IntArray) -> Bo
 def facing(fingers: FingerCandidates, rows: IntArray, columns: IntArray) -> BoolArray:
     """Matrix (m, k) of the pairs that press toward each other: n_i·e > 0 and n_j·(−e) > 0.
 
-    Missing in the paper: without it the two inner sides of a gap look perfectly balanced while they push apart.
+    The paper has no such test. Without it the two inner sides of a gap look perfectly balanced, yet they push apart.
     """
     c_i, n_i = fingers.contact[rows], fingers.direction[rows]
     c_j, n_j = fingers.contact[columns], fingers.direction[columns]
@@ -115,5 +115,5 @@ def torque_balanced(pairs: GraspCandidates, limits: BalanceSettings, funnel: Fun
 
 
 def _share(part: FloatArray, whole: FloatArray) -> FloatArray:
-    """`part` / `whole` (p,); without end where the whole is 0, as of contacts that coincide."""
+    """`part` / `whole` (p,); infinite where the whole is 0, as the distance of contacts that coincide is."""
     return np.asarray(np.divide(part, whole, out=np.full(len(part), np.inf), where=whole > 0))

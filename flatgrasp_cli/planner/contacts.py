@@ -11,7 +11,7 @@ from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import HandSettings
 
 HALF_WIDTH_AND_MORE = 0.5 + 1e-6
-"""Half a finger's width, its very edges included."""
+"""Half a finger's width, as a share of it: rounding must not lose a point that lies exactly on the finger's edge."""
 
 
 def touching(
@@ -32,8 +32,8 @@ def pad_contacts(
 ) -> FloatArray:
     """The middles (p, 2, 2) of what p pairs' pads touch, of the −y jaw and of the +y jaw, in the plane.
 
-    They lie on the pads, the object's width apart along the closing axis. A pad touches what of its candidate's
-    boundary lies under one of the jaw's fingers and no more than `tolerance_m` below the highest point there.
+    They lie on the pads, the object's width apart along the closing axis. A pad touches the part of its candidate's
+    boundary that lies under one of the jaw's fingers, no more than `tolerance_m` below the highest point there.
     """
     center, width, across = grasps.center, grasps.width, left_normal(grasps.axis)
     touched = np.empty((len(grasps), 2, 2))

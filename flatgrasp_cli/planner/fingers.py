@@ -15,17 +15,25 @@ from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import FingerSettings
 
 STEPS_PER_PERIMETER = 200
+"""Step points on an outer loop, where the range below allows it: 20,000 pairs, which grow with the square."""
 STEP_RANGE_M = (0.002, 0.006)
+"""Shortest and longest derived step, metres: a silhouette is known to 1 or 2 mm, and a finger is some 10 to 20 mm
+wide.
+"""
 MAX_DERIVED_STEPS, MAX_STEPS = 600, 3000
+"""Largest number of step points on all loops, with a derived step and with one that was asked for: the matrices of
+pairs then hold 3 MB and 70 MB."""
 ARC_SAMPLES = 17
+"""Points along the boundary under a chord: 1.4 mm apart under a pad of 22 mm, as fine as a silhouette is known."""
 EITHER_JAW = -1
+"""In the column `jaw`: the candidate may be for either of two equal jaws."""
 
 
 def step_points(silhouette: Silhouette, settings: FingerSettings) -> tuple[StepPoints, ...]:
     """§III.A.3.1: points a step r apart along each loop, by eq. (1) or by arc length.
 
-    r is as set, or a share of the outer loop; never so small that the loops have more than `MAX_STEPS` step points, for
-    the pairs of candidates grow with their square.
+    r is the one in the settings, or a share of the outer loop. It is never so small that there would be more than
+    `MAX_STEPS` step points, for the pairs of candidates grow with their square.
     """
     perimeters = [float(polygon.arc_positions(loop)[-1]) for loop in silhouette.loops]
     derived = float(np.clip(perimeters[0] / STEPS_PER_PERIMETER, *STEP_RANGE_M))
@@ -35,6 +43,7 @@ def step_points(silhouette: Silhouette, settings: FingerSettings) -> tuple[StepP
 
 
 def _steps_of_loop(index: int, loop: FloatArray, step_m: float, settings: FingerSettings) -> StepPoints:
+    """Step points of one loop, `step_m` apart in a straight line or along the boundary."""
     if settings.step == "chord":
         positions = polygon.chord_walk(loop, step_m)
     else:
@@ -46,10 +55,10 @@ def _steps_of_loop(index: int, loop: FloatArray, step_m: float, settings: Finger
 def finger_candidates(
     silhouette: Silhouette, steps: Sequence[StepPoints], gripper: Gripper, settings: FingerSettings
 ) -> FingerCandidates:
-    """§III.A.3.2: chords as long as a jaw is wide, one from each step point; with directions to the loop's left.
+    """§III.A.3.2: a chord as long as a jaw is wide from each step point, its direction to the loop's left.
 
-    A hand whose two jaws differ (a thumb against a pair) gets candidates of its own for each jaw. On an object hardly
-    wider than a finger they are shorter: it then meets but a part of the pad.
+    A hand whose two jaws differ (a thumb against a pair) gets candidates for each of them. On an object hardly wider
+    than a finger chords are shorter, for it meets only a part of the pad.
     """
     jaws = (EITHER_JAW,) if gripper.symmetric else (0, 1)
     longest = (settings.chord_share_max or np.inf) * longer_side(silhouette.loops[0])
@@ -61,7 +70,7 @@ def finger_candidates(
 
 
 def _chord_m(gripper: Gripper, jaw: int, longest: float) -> float:
-    """Length of a jaw's chords; those of several fingers are never shortened, for all of them must touch."""
+    """Length of a jaw's chords, metres; a jaw of several fingers keeps its whole width, for all of them must touch."""
     width = gripper.jaw_width_m(jaw)
     return min(width, longest) if len(gripper.jaws[jaw]) == 1 else width
 
@@ -69,7 +78,7 @@ def _chord_m(gripper: Gripper, jaw: int, longest: float) -> float:
 def _candidates_of_loop(
     loop: FloatArray, steps: StepPoints, widths: dict[int, float], settings: FingerSettings
 ) -> FingerCandidates:
-    """Those of all jaws, whose `widths` are given."""
+    """The candidates on one loop, for each jaw with chords as long as its entry of `widths`."""
     jaw = np.repeat(list(widths), len(steps.positions))
     width = np.repeat(list(widths.values()), len(steps.positions))
     begins = np.tile(steps.positions, len(widths))
@@ -102,7 +111,7 @@ def _candidates_of_loop(
 def _hull_points_sum(
     loop: FloatArray, begins: FloatArray, ends: FloatArray, start: FloatArray, normal: FloatArray
 ) -> FloatArray:
-    """§III.B.4 to the letter: the plain sum (m,) of the distances of the hull's points from each candidate's chord.
+    """§III.B.4 to the letter: the plain sum (m,), metres, of the hull's points' distances from each candidate's chord.
 
     The points lie between the arc lengths `begins` and `ends` (m,); the chord is given by its `start` and `normal`.
     """
@@ -124,9 +133,9 @@ def inward_directions(
 ) -> tuple[FingerCandidates, int]:
     """§III.A.3.3: candidates whose grasping direction points into the object, and the number of doubtful ones.
 
-    `signed_area`: the loops' orientation already says where the object lies; each candidate is checked δ inside its
-    middle and dropped when the boundary there turns its back, as over the mouth of a slot. `random_rays`: the paper's
-    search decides for the first candidate, and cross products carry its side to all others; doubtful ones stay.
+    `signed_area`: the loops' orientation already tells on which side the object lies. A candidate is doubtful, and is
+    dropped, if there is no object at a distance δ from its middle, as over the mouth of a slot. `random_rays`: the
+    paper's search decides for the first candidate, and cross products carry its side to all others; doubtful ones stay.
     """
     if settings.direction == "random_rays" and not _first_points_left(silhouette.loops[0], fingers, settings, seed):
         fingers = replace(fingers, direction=-fingers.direction)
@@ -136,7 +145,7 @@ def inward_directions(
 
 
 def _first_points_left(loop: FloatArray, fingers: FingerCandidates, settings: FingerSettings, seed: int) -> bool:
-    """Whether the first candidate's inside lies to its left: the paper's Fig. 11 (a), stepping δ both ways at once."""
+    """Whether the object lies to the first candidate's left: the paper's Fig. 11 (a), stepping δ both ways at once."""
     rng = np.random.default_rng(seed)
     reach = 4 * float(np.ptp(loop, axis=0).max())
     contact, left = fingers.contact[0], fingers.direction[0]

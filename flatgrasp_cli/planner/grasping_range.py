@@ -13,7 +13,7 @@ from flatgrasp_cli.profiles.settings import HandSettings
 
 
 def closing_axes(fingers: FingerCandidates, grasps: GraspCandidates, method: str) -> GraspCandidates:
-    """The pairs with the axis to close along: (n_i − n_j), on which both pads lie flush, or the line of contacts."""
+    """The pairs with the axis to close along: n_i − n_j, along which both pads lie flush, or the line of contacts."""
     if method == "contacts":
         return grasps
     axis = fingers.direction.take(grasps.i, axis=0) - fingers.direction.take(grasps.j, axis=0)
@@ -22,7 +22,7 @@ def closing_axes(fingers: FingerCandidates, grasps: GraspCandidates, method: str
 
 
 def on_pads(fingers: FingerCandidates, grasps: GraspCandidates, gripper: Gripper, funnel: Funnel) -> GraspCandidates:
-    """The pairs whose contacts both lie under the pads: on the bisector they lie aside, each its own way."""
+    """The pairs whose contacts both lie under the pads, though not in their middles when closing along the bisector."""
     apart = fingers.contact.take(grasps.j, axis=0) - fingers.contact.take(grasps.i, axis=0)
     aside = 0.5 * np.abs(cross(grasps.axis, apart))
     beside_pad = (aside - half_widths(gripper)).max(axis=0)
@@ -33,7 +33,7 @@ def on_pads(fingers: FingerCandidates, grasps: GraspCandidates, gripper: Gripper
 
 
 def half_widths(gripper: Gripper) -> FloatArray:
-    """Half of how wide each jaw is (2, 1), all of its fingers together, metres."""
+    """Half the width of each jaw (2, 1), all of its fingers together, metres."""
     return 0.5 * np.array([[gripper.jaw_width_m(0)], [gripper.jaw_width_m(1)]])
 
 
@@ -57,7 +57,7 @@ def in_range(
 def extents(fingers: FingerCandidates, grasps: GraspCandidates) -> FloatArray:
     """How far (2, p) each candidate's stretch of boundary reaches out along −axis and along +axis, metres.
 
-    Their sum is the width that the jaws must really clear; the distance of the contacts can be less.
+    Their sum is the width that the jaws must clear; the distance between the contacts can be less.
     """
     middle = dot(grasps.middle, grasps.axis)
     x, y = np.ascontiguousarray(fingers.arcs.T)  # (k, m) each: reductions run fast over a long last axis

@@ -13,15 +13,15 @@ from flatgrasp_cli.profiles.settings import GravitySettings
 def gravity_center(whole: Silhouette, settings: GravitySettings) -> GravityCenter:
     """The object's centre of gravity in the plane, from the silhouette of the whole object.
 
-    `area`: the centroid of the silhouette, as of a plate; `points`: the mean of the visible points, which follows their
-    density.
+    `area`: the centroid of the silhouette, as if the object were a plate; `points`: the mean of the visible points,
+    which depends on their density.
     """
     points = whole.points.mean(axis=0)
     return GravityCenter(area_centroid(whole.loops) if whole.loops else points, points, settings.center)
 
 
 def weighed(fingers: FingerCandidates, grasps: GraspCandidates, shape: PlaneShape) -> GraspCandidates:
-    """The pairs with their gravity distance and with the share of their grasping line that lies in the object."""
+    """The pairs with their gravity distance, and with the share of their grasping line that lies inside the object."""
     return grasps.having(
         gravity_distance=gravity_distance(fingers, grasps, shape.gravity_center.place),
         inside_share=share_inside(shape.silhouette.loops, fingers.contact[grasps.i], fingers.contact[grasps.j]),

@@ -13,14 +13,9 @@ from flatgrasp_cli.planner.grasping_range import extents, half_widths
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import HandSettings
 
-SINK_M = 0.002
-"""A pad may come to rest this far, and half its width, below the highest point of its stretch of boundary."""
-MAX_CELLS = 20_000
-"""Pairs × edges worked on at once: as much as stays in a processor's cache."""
-
 
 def operable(
-    outline: Silhouette,
+    silhouette: Silhouette,
     fingers: FingerCandidates,
     grasps: GraspCandidates,
     gripper: Gripper,
@@ -29,9 +24,9 @@ def operable(
 ) -> GraspCandidates:
     """The pairs at which the fingers have room beside the object, with `pads` and `room`."""
     if settings.operability == "swept":
-        pads, room = swept_fit(outline, fingers, grasps, gripper, settings.contact_tolerance_m)
+        pads, room = swept_fit(silhouette, fingers, grasps, gripper, settings.contact_tolerance_m)
     else:
-        pads, room = eq2_fit(outline, grasps, gripper, settings.contact_tolerance_m)
+        pads, room = eq2_fit(silhouette, grasps, gripper, settings.contact_tolerance_m)
     pads, room = _beyond_hidden_sides(fingers, grasps, pads, room, gripper.max_opening_m - 2 * settings.clearance_m)
     grasps = grasps.having(pads=np.ascontiguousarray(pads.T), room=np.ascontiguousarray(room.T))
     need = gripper.finger_thickness_m + settings.clearance_m
@@ -51,7 +46,7 @@ def operable(
 def _beyond_hidden_sides(
     fingers: FingerCandidates, grasps: GraspCandidates, pads: FloatArray, room: FloatArray, widest_m: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Pads and room (2, p), each pad as far out as the object probably goes on unseen, if the hand opens so far."""
+    """Pads and room (2, p), each pad as far out as the object probably reaches unseen, if the hand opens so far."""
     hidden = np.stack([fingers.hidden[grasps.i], fingers.hidden[grasps.j]])
     spare, total = np.maximum(widest_m - pads.sum(axis=0), 0.0), hidden.sum(axis=0)
     hidden = hidden * np.minimum(1.0, spare / np.where(total > 0, total, 1.0))
@@ -61,40 +56,42 @@ def _beyond_hidden_sides(
 def swept_fit(
     silhouette: Silhouette, fingers: FingerCandidates, grasps: GraspCandidates, gripper: Gripper, tolerance_m: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Exact: where the pads come to rest and how far each finger could back off, (2, p) each, by the whole outline.
+    """Exact: where the pads come to rest and how far each finger could back off, (2, p) each, by the whole silhouette.
 
-    Each finger sweeps a strip of its width along the closing axis. Boundary up to `tolerance_m` beyond the candidate's
-    own reach is what the pad rests on; the next boundary outward ends the room, and boundary that runs on past the
-    tolerance without a gap leaves none.
+    Each finger sweeps a strip of its width along the closing axis. A pad rests on the outermost boundary that lies no
+    more than `tolerance_m` beyond its candidate's own reach. The next boundary outward ends the room; where boundary
+    runs on past the tolerance without a gap, there is none. Nor is there any for a pad that comes to rest half its
+    width below its candidate: it rests on something else.
     """
     points, breaks = closed_chain(silhouette.loops)
-    level = extents(fingers, grasps) + tolerance_m
+    reach = extents(fingers, grasps)
+    level = reach + tolerance_m
     pads, room = np.empty((2, len(grasps))), np.empty((2, len(grasps)))
-    for part in chunks(len(grasps), len(points), MAX_CELLS):
+    for part in chunks(len(grasps), len(points)):
         x, y = in_frames(points, grasps.middle[part], grasps.axis[part])
-        outline = Chain(x, y, slopes(x, y), breaks)
-        for side, seen in ((0, outline.flipped()), (1, outline)):
+        boundary = Chain(x, y, slopes(x, y), breaks)
+        for side, seen in ((0, boundary.flipped()), (1, boundary)):
             pads[side, part], room[side, part] = _jaw_fit(
                 seen, level[side, part], gripper.jaws[side], gripper.finger_width_m
             )
-    sunk = level - pads > SINK_M + half_widths(gripper)  # it rests on something else than its candidate
+    sunk = reach - pads > half_widths(gripper)
     return pads, np.where(sunk, 0.0, room)
 
 
 def _jaw_fit(
-    outline: Chain, level: FloatArray, offsets: tuple[float, ...], finger_width: float
+    silhouette: Chain, level: FloatArray, offsets: tuple[float, ...], finger_width: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Pad distance and room (p,) of a jaw with fingers at `offsets`, for an outline seen with +y out to that jaw.
+    """Pad distance and room (p,) of a jaw with fingers at `offsets`, for a silhouette seen with +y out to that jaw.
 
     A pad may rest on boundary up to `level` (p,).
     """
     pad, obstacle = np.full(len(level), -np.inf), np.full(len(level), np.inf)
     for offset in offsets:
-        meets, lowest, highest = outline.clipped(offset - finger_width / 2, offset + finger_width / 2)
+        meets, lowest, highest = silhouette.clipped(offset - finger_width / 2, offset + finger_width / 2)
         beyond = highest > level
         pad = np.maximum(pad, np.where(meets & ~beyond, highest, -np.inf).max(axis=0))
         obstacle = np.minimum(obstacle, np.where(meets & beyond, lowest, np.inf).min(axis=0))
-        obstacle[(obstacle < level) | outline.holds(offset, level)] = -np.inf
+        obstacle[(obstacle < level) | silhouette.holds(offset, level)] = -np.inf
     touches = np.isfinite(pad)
     pad = np.where(touches, pad, 0.0)
     return pad, np.where(touches, np.maximum(obstacle - pad, 0.0), 0.0)
@@ -103,14 +100,14 @@ def _jaw_fit(
 def eq2_fit(
     silhouette: Silhouette, grasps: GraspCandidates, gripper: Gripper, tolerance_m: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Eq. (2) as printed: no hull point with |x| ≤ w_h/2 and d/2 ≤ |y| ≤ w_o, d the contacts' distance.
+    """Eq. (2) as printed: no hull point with |x| ≤ w_h/2 and d/2 ≤ |y| ≤ w_o, d being the contacts' distance.
 
-    Pads and room are (2, p). `tolerance_m` is added to d/2: the contacts themselves satisfy the printed inequality.
+    Pads and room are (2, p). `tolerance_m` is added to d/2, for the contacts themselves satisfy the inequality.
     """
     vertices = np.concatenate(silhouette.loops)
     half = 0.5 * grasps.distance
     free = np.empty((2, len(grasps)), dtype=np.bool_)
-    for part in chunks(len(grasps), len(vertices), MAX_CELLS):
+    for part in chunks(len(grasps), len(vertices)):
         x, y = in_frames(vertices, grasps.middle[part], grasps.axis[part])
         in_strip = np.abs(x) <= 0.5 * gripper.hand_width_m
         begin = half[part] + tolerance_m

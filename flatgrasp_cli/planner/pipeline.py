@@ -27,11 +27,11 @@ def section_three(
     funnel: Funnel,
     top: int,
 ) -> GraspCandidates:
-    """The best `top` grasps of an object, after A.1 and A.2, which made its `shape`.
+    """The best `top` grasps of an object whose `shape` was made by A.1 and A.2.
 
-    The `funnel` counts what each step keeps, and raises `NothingLeft` where that is nothing.
+    The `funnel` counts what each step keeps, and raises `NothingLeft` if that is nothing.
     """
-    outline, trace = shape.silhouette, funnel.trace
+    silhouette, trace = shape.silhouette, funnel.trace
     # A.3 step points, finger candidates, grasping directions
     fingers = _fingers(shape, gripper, settings, funnel)
     fingers = trace.fingers = surroundings.sides(fingers, funnel)
@@ -47,8 +47,8 @@ def section_three(
     grasps = surroundings.of_known_thickness(fingers, grasps, funnel)
     grasps = in_range(fingers, grasps, gripper, settings.hand, funnel)
     grasps = flat(fingers, grasps, settings.hand, funnel)
-    grasps = operable(outline, fingers, grasps, gripper, settings.hand, funnel)
-    grasps = surroundings.approached(outline, fingers, grasps, gripper, funnel)
+    grasps = operable(silhouette, fingers, grasps, gripper, settings.hand, funnel)
+    grasps = surroundings.approached(silhouette, fingers, grasps, gripper, funnel)
 
     # C gravity, and the final grasp
     grasps = weighed(fingers, grasps, shape)
@@ -60,12 +60,12 @@ def section_three(
 
 def _fingers(shape: PlaneShape, gripper: Gripper, settings: PlannerSettings, funnel: Funnel) -> FingerCandidates:
     """§III.A.3: places for a finger all along the boundary, the object before each of them."""
-    outline, trace = shape.silhouette, funnel.trace
-    steps = trace.steps = step_points(outline, settings.fingers)
+    silhouette, trace = shape.silhouette, funnel.trace
+    steps = trace.steps = step_points(silhouette, settings.fingers)
     funnel.count("step_points", sum(len(step.points) for step in steps), "the outline has no step point")
-    chords = finger_candidates(outline, steps, gripper, settings.fingers)
+    chords = finger_candidates(silhouette, steps, gripper, settings.fingers)
     funnel.count("finger_candidates", len(chords), _no_finger_place(shape, gripper))
-    fingers, trace.doubted_directions = inward_directions(outline, chords, settings.fingers, settings.seed)
+    fingers, trace.doubted_directions = inward_directions(silhouette, chords, settings.fingers, settings.seed)
     funnel.count("grasping_direction", len(fingers), "no finger candidate has the object before it")
     return fingers
 

@@ -14,19 +14,22 @@ from flatgrasp_cli.model import Silhouette
 from flatgrasp_cli.profiles.settings import SilhouetteSettings
 
 MIN_ALPHA_M = 0.003
+"""Least radius α that is derived, metres: a notch that lets no disc of 6 mm in lets no finger in either."""
 ALPHA_GROWTH = 1.5
+"""Factor by which α grows at a time: an α half as large again as need be rounds notches off little."""
 STRAY_M = 0.02
-"""Points farther than about this from all others belong to nothing."""
+"""Points farther than about this from all others belong to nothing, metres: the gaps that missing pixels leave in a
+surface are narrower."""
 
 
-def silhouette(
+def silhouette_of(
     points: FloatArray, frame: Frame, settings: SilhouetteSettings, spacing_m: float | None = None
 ) -> Silhouette:
     """The concave hull of `points` (n, 3) projected to the main plane, `frame`'s x-y plane: a polygon with holes.
 
     `spacing_m` is that of the projected points where it is known already.
-    α grows until one piece holds the share of the points that the settings ask for; what is detached from it then
-    counts for nothing.
+    α grows until one piece holds the share of the points that the settings ask for; what is still detached from it
+    is left out.
     """
     local = frame.to_local(points)
     projected, heights = np.ascontiguousarray(local[:, :2]), local[:, 2]
@@ -40,9 +43,9 @@ def silhouette(
 
 
 def without_strays(points: FloatArray, settings: SilhouetteSettings) -> FloatArray:
-    """Those of an object's `points` (n, 3) that hang together, seen along each of the axes.
+    """Those of an object's `points` (n, 3) that form one piece, seen along each of the axes.
 
-    The outline leaves out what is detached, but one point far off would have tilted and stretched the box before.
+    The silhouette leaves out what is detached, but it comes after the box, which one point far off tilts and stretches.
     """
     for view in ([0, 1], [0, 2], [1, 2]):
         if len(points) > 0:
@@ -52,11 +55,11 @@ def without_strays(points: FloatArray, settings: SilhouetteSettings) -> FloatArr
 
 
 def _one_piece(points: FloatArray, alpha_m: float, min_share: float) -> tuple[float, BoolArray]:
-    """An α, no smaller than asked, with which the largest piece of the points holds `min_share`; and that piece."""
+    """An α from `alpha_m` on with which the largest piece of the points holds `min_share`, and that piece (n,)."""
     while True:
         try:
             grid = CellGrid(points, alpha_m)
-        except ValueError:  # α is tiny against the extent: far-off points, or a cloud that is no object
+        except ValueError:  # α is tiny compared with the extent: points far off, or a cloud that is no object
             alpha_m *= ALPHA_GROWTH
             continue
         member, share = grid.largest_piece()
@@ -66,7 +69,7 @@ def _one_piece(points: FloatArray, alpha_m: float, min_share: float) -> tuple[fl
 
 
 def _loops(region: Any, settings: SilhouetteSettings) -> tuple[FloatArray, ...]:
-    """Vertices of a shapely polygon: outer loop counter-clockwise, holes that are not missing pixels clockwise."""
+    """Vertices of a shapely polygon: the outer loop counter-clockwise, holes larger than missing pixels clockwise."""
     import shapely
 
     smallest = np.pi / 4 * settings.min_hole_m**2

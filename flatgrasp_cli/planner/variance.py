@@ -12,7 +12,7 @@ from flatgrasp_cli.profiles.settings import HandSettings
 def flat(fingers: FingerCandidates, grasps: GraspCandidates, settings: HandSettings, funnel: Funnel) -> GraspCandidates:
     """The pairs whose boundary strays little from the pads.
 
-    Held against the sum of both sides in metres where such a limit is set, else against a share of the finger's width.
+    The limit is one in metres on the sum of both sides, if the settings have it, or else a share of the finger's width.
     """
     v_i, v_j = fingers.variance[grasps.i], fingers.variance[grasps.j]
     if settings.variance_max is not None:

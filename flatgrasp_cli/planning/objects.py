@@ -23,7 +23,7 @@ from flatgrasp_cli.model import (
 )
 from flatgrasp_cli.planner.gravity import gravity_center
 from flatgrasp_cli.planner.main_plane import oriented_box
-from flatgrasp_cli.planner.silhouette import silhouette, without_strays
+from flatgrasp_cli.planner.silhouette import silhouette_of, without_strays
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.proof import Certificates, certified, forgiven_m, is_caged, why_not
@@ -67,33 +67,33 @@ def answer_for(cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings, 
         return _nothing("support", reason)
     cages_decide = settings.caging.require or settings.caging.prefer == "cage"
     considered = settings.caging.considered if cages_decide else top
-    outline = _silhouette(whole, settings)
-    center = gravity_center(outline, settings.gravity)
+    silhouette = _silhouette(whole, settings)
+    center = gravity_center(silhouette, settings.gravity)
 
-    def answer(place: Place, outline: Silhouette, center: GravityCenter) -> Answer:
-        found = _answer(place, PlaneShape(place.box, outline, center), gripper, settings, considered)
+    def answer(place: Place, silhouette: Silhouette, center: GravityCenter) -> Answer:
+        found = _answer(place, PlaneShape(place.box, silhouette, center), gripper, settings, considered)
         return _proved(found, gripper, settings, top) if cages_decide else found
 
     best_first = partial(_best_first, by_cage=settings.caging.prefer == "cage")
-    best = answer(whole, outline, center)
+    best = answer(whole, silhouette, center)
     for place in slices:
         if cages_decide or settings.method == "allen" or not _is_cheaper(best, place, settings):
             best = min(best, answer(place, _silhouette(place, settings), center), key=best_first)
     if cloud.support is not None and best.grasps is None and (side := _standing(cloud, box.size, settings)):
-        outline = _silhouette(side, settings)
-        best = min(best, answer(side, outline, gravity_center(outline, settings.gravity)), key=best_first)
+        silhouette = _silhouette(side, settings)
+        best = min(best, answer(side, silhouette, gravity_center(silhouette, settings.gravity)), key=best_first)
     return best if cages_decide else _proved(best, gripper, settings, top)
 
 
 def _silhouette(place: Place, settings: PlannerSettings) -> Silhouette:
     """§III.A.2."""
-    return silhouette(place.points, place.frame, settings.silhouette, place.spacing_m)
+    return silhouette_of(place.points, place.frame, settings.silhouette, place.spacing_m)
 
 
 def _answer(place: Place, shape: PlaneShape, gripper: Gripper, settings: PlannerSettings, considered: int) -> Answer:
     """What the method finds in one place."""
     funnel = Funnel()
-    outlined = len(shape.silhouette.loops) > 0
+    known = len(shape.silhouette.loops) > 0
     grasps, rejection = None, None
     try:
         funnel.count("silhouette", len(shape.silhouette.loops), "the points are too scattered for an outline")
@@ -106,7 +106,7 @@ def _answer(place: Place, shape: PlaneShape, gripper: Gripper, settings: Planner
         trace=funnel.trace,
         box=shape.box,
         level_m=place.surroundings.level_m,
-        shape=shape if outlined else None,
+        shape=shape if known else None,
         grasps=grasps,
     )
 
@@ -180,7 +180,10 @@ def _no_plane(points: FloatArray, cropped: bool) -> str:
     if len(points) == 0 and cropped:
         return "no point lies in the region of interest"
     if len(points) == 0:
-        return "no point of the cloud was measured: all are invalid, 0 0 0, or farther than 10 km from the origin"
+        return (
+            "no point of the cloud was measured: all are invalid, 0 0 0, farther than 10 km from the origin, "
+            "or within 1 cm of the sensor; are they in metres (--scale)?"
+        )
     distinct = len(np.unique(points, axis=0))
     if distinct < 3:
         return f"the cloud has {distinct} distinct point{'s' if distinct > 1 else ''}, an outline needs three"

@@ -13,7 +13,7 @@ from flatgrasp_cli.scene import segment, without_far_strays, without_repeats
 from flatgrasp_cli.sensor import located
 
 MAX_TABLE_TILT_DEG = 30.0
-"""Things slide off a table that is more aslant (friction 0.58). A camera pose that is inverted, or not of the optical
+"""Things slide off a table that is tilted more (friction 0.58). A camera pose that is inverted, or not of the optical
 frame, is out by far more as a rule."""
 
 
@@ -68,13 +68,17 @@ def plan(
     ----------
     cloud
         From `read_clouds`, or made of an array of points in metres: `Cloud(points)`.
-    gripper, settings
-        From `load_gripper` and `load_settings`; the shipped settings when None.
+    gripper
+        From `load_gripper`.
+    settings
+        From `load_settings`; the shipped ones when None.
     top
-        How many grasps of each object to keep, best first.
+        How many grasps of each object to keep, best first; `ValueError` if less than one.
     robot
         From `load_robot`: only grasps that it reaches are kept. The cloud must be in its base frame (`in_base_frame`).
     """
+    if top < 1:
+        raise ValueError(f"top is how many grasps to keep, one or more, not {top}")
     resolved = (settings or load_settings()).resolve(gripper)
     began = time.perf_counter()
     cloud = located(without_far_strays(without_repeats(cloud)), resolved.scene.up, resolved.seed)
@@ -107,7 +111,7 @@ def _table_tilted(support: SupportPlane | None) -> tuple[CloudWarning, ...]:
         return ()
     text = (
         f"the support plane is tilted by more than {MAX_TABLE_TILT_DEG:.0f}° against the robot's base, "
-        "as it is only where the arm is not mounted upright: check --camera-pose, where the camera stands"
+        "which is right only if the arm is not mounted upright: check --camera-pose"
     )
     return (CloudWarning("table_tilted", text),)
 

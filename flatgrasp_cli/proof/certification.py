@@ -36,13 +36,13 @@ class Certificates:
 
 
 def certified(
-    grasps: GraspCandidates, outline: Silhouette, gripper: Gripper, settings: PlannerSettings
+    grasps: GraspCandidates, silhouette: Silhouette, gripper: Gripper, settings: PlannerSettings
 ) -> tuple[GraspCandidates, Certificates]:
     """Certificates of k grasps; the grasps come with openings from which closing surely ends in them, where it can."""
     hands = hands_of(grasps)
-    proof = prove(outline.loops, hands, gripper, settings.caging)
+    proof = prove(silhouette.loops, hands, gripper, settings.caging)
     hands = replace(hands, opening=_preshape(hands, proof, settings.hand.clearance_m))
-    closures = _closures(grasps, outline, gripper, settings)
+    closures = _closures(grasps, silhouette, gripper, settings)
     return grasps.having(opening=hands.opening), Certificates(proof.cages(hands), tuple(closures))
 
 
@@ -52,7 +52,7 @@ def hands_of(grasps: GraspCandidates) -> Hands:
 
 
 def is_caged(cage: Cage | None) -> bool:
-    """Whether the hand comes into a cage that closes into its grasp, even if the outline errs by its noise."""
+    """Whether the hand comes into a cage that closes into its grasp, even if the silhouette errs by its noise."""
     return cage is not None and cage.guaranteed and cage.basin_on_approach
 
 
@@ -79,11 +79,11 @@ def _preshape(hands: Hands, proof: Proof, clearance_m: float) -> FloatArray:
 
 
 def _closures(
-    grasps: GraspCandidates, outline: Silhouette, gripper: Gripper, settings: PlannerSettings
+    grasps: GraspCandidates, silhouette: Silhouette, gripper: Gripper, settings: PlannerSettings
 ) -> list[Closure]:
     """Force closure of pads that press along the closing axis, with the friction that the settings count on."""
     friction = settings.balance.friction_with(gripper)
-    reference = reference_of(outline.loops)
+    reference = reference_of(silhouette.loops)
     normals = np.stack([grasps.axis, -grasps.axis], axis=1)
     points = point_quality(grasps.contacts, normals, friction, reference)
     pads = pad_quality(grasps.contacts, normals, grasps.touched_m, friction, reference)

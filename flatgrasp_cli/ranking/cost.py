@@ -1,4 +1,4 @@
-"""What a grasp costs: the paper's gravity distance, and what people look for besides it, in metres of that distance."""
+"""What a grasp costs: the paper's gravity distance and what people look for besides, in metres of that distance."""
 
 from __future__ import annotations
 
@@ -10,16 +10,21 @@ from flatgrasp_cli.model import FingerCandidates, GraspCandidates, PlaneShape
 from flatgrasp_cli.profiles.settings import GravitySettings
 
 MISSES_M, MISS_STEP_M, MISS_DEG = (-0.010, -0.005, 0.005, 0.010), 0.003, 15.0
-"""Sideways misses that a grasp should forgive, and how near to one another grasp must be."""
+"""Sideways misses that a grasp should forgive, metres: what an arm and its camera may be off by together. And how near
+another grasp must be to where the hand is then, metres and degrees: about a step between step points, and an angle that
+pads of μ = 0.3 hold."""
 MOST_NEIGHBOURS, NEIGHBOURS_AT_ONCE = 500, 64
+"""Grasps that each is compared with, an even sample of all: along a side they are closer together than `MISS_STEP_M`
+even so. And how many of them are compared at once, which no result depends on."""
 MOST_FRICTION = 10.0
-"""Where more friction costs no more: a pair that would have to pull needs infinitely much."""
+"""Required friction above which more costs no more: a pair that would have to pull needs infinitely much, and its cost
+should still be a number, larger than all others (10 m)."""
 
 
 def grasp_cost(
     fingers: FingerCandidates, grasps: GraspCandidates, shape: PlaneShape, settings: GravitySettings
 ) -> FloatArray:
-    """What p pairs cost on an object of that shape, metres (p,)."""
+    """What p pairs cost on an object of that `shape`, metres (p,)."""
     friction = np.minimum(grasps.required_friction, MOST_FRICTION)
     gap = settings.gap_weight * (1 - grasps.inside_share) * grasps.distance
     in_holes = (fingers.loop[grasps.i] > 0).astype(np.float64) + (fingers.loop[grasps.j] > 0)
@@ -44,9 +49,9 @@ def overhang(fingers: FingerCandidates, grasps: GraspCandidates, center: FloatAr
 
 
 def loneliness(middles: FloatArray, axes: FloatArray) -> FloatArray:
-    """Share (p,) of small sideways misses of the hand after which it is not at another of the p grasps.
+    """Share (p,) of the small sideways misses of the hand that do not bring it to another of the p grasps.
 
-    Where the sides are parallel there is a grasp on either hand; on a bump or at an end there is none.
+    Where the sides are parallel there are other grasps on both sides; on a bump or at an end there are none.
     """
     middle, axis = middles.astype(np.float32), axes.astype(np.float32)  # a matrix of all with all: half the work
     across = left_normal(axes).astype(np.float32)

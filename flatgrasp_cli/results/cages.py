@@ -13,7 +13,7 @@ from flatgrasp_cli.proof.caging import Immobilisation
 from flatgrasp_cli.results.contracts.cage import SCHEMA_ID, CageDocument, PointGraspPart
 from flatgrasp_cli.results.contracts.grasps import CagePart
 
-NO_HOLD = "no two points of the outline hold it, as on any convex one"
+NO_HOLD = "no two points hold this outline without friction; a convex one has none that do"
 NO_OUTLINE = "the points are too scattered for an outline"
 
 

@@ -116,10 +116,9 @@ def to_json(document: dict[str, Any], *, indent: int | None = None) -> str:
 
 
 def _container(plan: Plan) -> ContainerPart | None:
-    points, support = plan.scene.container, plan.scene.support
-    if support is None or len(points) == 0:
-        return None
-    return ContainerPart(points=len(points), height_m=float(support.heights(points).max()))
+    points, plane = plan.scene.container, plan.scene.support
+    known = plane is not None and len(points) > 0
+    return ContainerPart(points=len(points), height_m=float(plane.heights(points).max())) if known else None
 
 
 def _sensor(sensor: Sensor) -> SensorPart:
@@ -138,7 +137,7 @@ def _plane(plane: SupportPlane) -> SupportPlanePart:
 
 def _object(item: ObjectPlan, plan: Plan) -> ObjectPart:
     trace, rejection = item.trace, item.rejection
-    outline, box = item.silhouette, item.box
+    silhouette, box = item.silhouette, item.box
     return ObjectPart(
         id=item.object.id,
         points=len(item.object.points),
@@ -150,7 +149,7 @@ def _object(item: ObjectPlan, plan: Plan) -> ObjectPart:
         nearest_miss=_optional(_miss, rejection),
         obb=_optional(_box, box),
         aabb=_optional(_aabb, box),
-        silhouette=None if outline is None else _silhouette(outline, item.level_m),
+        silhouette=None if silhouette is None else _silhouette(silhouette, item.level_m),
         gravity_center=_optional(_gravity, item.shape),
         fingers=FingersPart(
             step_m=number(trace.steps[0].step_m) if trace.steps else None, doubted_directions=trace.doubted_directions
@@ -173,14 +172,14 @@ def _miss(rejection: Rejection) -> MissPart:
     return MissPart(stage=rejection.stage, value=number(rejection.value), limit=number(rejection.limit))
 
 
-def _silhouette(outline: Silhouette, level_m: float | None) -> SilhouettePart:
+def _silhouette(silhouette: Silhouette, level_m: float | None) -> SilhouettePart:
     return SilhouettePart(
-        origin=numbers(outline.frame.origin),
-        axes=numbers(outline.frame.axes[:2]),
-        loops=[numbers(loop) for loop in outline.loops],
+        origin=numbers(silhouette.frame.origin),
+        axes=numbers(silhouette.frame.axes[:2]),
+        loops=[numbers(loop) for loop in silhouette.loops],
         level_m=number(level_m),
-        alpha_m=number(outline.alpha_m),
-        coverage=number(outline.coverage),
+        alpha_m=number(silhouette.alpha_m),
+        coverage=number(silhouette.coverage),
     )
 
 

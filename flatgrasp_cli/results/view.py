@@ -80,8 +80,8 @@ def normal_of(plan: Plan) -> FloatArray:
     """The unit normal (3,) of the plane that grasps are planned in, toward where the hand comes from."""
     if plan.scene.support is not None:
         return plan.scene.support.normal
-    outline = plan.objects[0].silhouette if plan.objects else None
-    return np.array([0.0, 0.0, -1.0]) if outline is None else outline.frame.axes[2]
+    silhouette = plan.objects[0].silhouette if plan.objects else None
+    return np.array([0.0, 0.0, -1.0]) if silhouette is None else silhouette.frame.axes[2]
 
 
 def middle_of(plan: Plan) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Heights above a support plane, averaged over square cells: what single noisy points don't tell, cells do."""
+"""Heights above a support plane, averaged over square cells: they tell what single noisy points do not."""
 
 from __future__ import annotations
 
@@ -11,17 +11,22 @@ from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.raster import Raster
 
 COARSE_CELL_M = 0.01
+"""Side of the cells that the points' density is measured in, metres: wider than points are apart, and narrower than the
+gaps and shadows between which a plane is seen."""
 POINTS_PER_CELL = 4.0
-CELL_RANGE_M = (0.002, 0.02)
+"""Points that a cell should hold: their mean has half of a point's noise, and nine cells' a sixth."""
+LEAST_CELL_M = 0.002
+"""Least side of a cell, metres: as fine as an outline is known. The largest is 20 mm, for coarse cells hold a point."""
 LEVEL_WINDOW_M = 0.08
-"""The plane's own level is averaged over a square of this side: wider than ripple is narrow."""
+"""Side of the square over which the plane's own level is averaged, metres: wider than a low object, and narrower than
+the waves of a sensor's distortion, of some 20 cm."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SortedPoints:
-    """Points of the plane sorted into a `raster`: the flat index `cell` (n,) of each, and how many each cell holds.
+    """Points sorted into a `raster` of the plane: the flat index `cell` (n,) of each, and how many each cell holds.
 
-    `count` is (rows, columns). Points that do not count have the index 0, a cell of the rim.
+    `count` is (rows, columns). Points that are left out have the index 0, a cell of the rim.
     """
 
     raster: Raster
@@ -36,19 +41,19 @@ class SortedPoints:
         return cls(raster, cell, count)
 
     def total(self, values: FloatArray, cell: IntArray | None = None) -> FloatArray:
-        """Sum (rows, columns) of `values` (n,) in each cell; of other points if their `cell` is given."""
+        """Sum (rows, columns) of the `values` (n,) in each cell: of the points, or of others with indices `cell`."""
         total = self.raster.total(self.cell if cell is None else cell, values)
         total[0, 0] = 0.0
         return total
 
 
 def fitting_cell_m(x: FloatArray, y: FloatArray, every: float = 1.0) -> float:
-    """Side of cells that hold a few points each, where there are any; of those x and y (n,) are one in `every`."""
+    """Side of cells that hold a few points each, metres; x and y (n,) are those of one point in `every`."""
     low, high = np.array([x.min(), y.min()]), np.array([x.max(), y.max()])
     coarse = Raster.over(low, high, COARSE_CELL_M * np.sqrt(every))
     count = coarse.count(coarse.cells_within(x, y))
     density = every * float(np.median(count[count > 0])) / coarse.cell_m**2
-    return float(np.clip(np.sqrt(POINTS_PER_CELL / density), *CELL_RANGE_M))
+    return float(max(LEAST_CELL_M, np.sqrt(POINTS_PER_CELL / density)))
 
 
 def smoothed(values: FloatArray, where: BoolArray | IntArray, cells: int) -> FloatArray:

@@ -1,4 +1,4 @@
-"""What stands on a support plane: connected cells of its raster, one cluster an object."""
+"""What stands on a support plane: connected cells of its raster, one cluster for each object."""
 
 from __future__ import annotations
 
@@ -16,45 +16,62 @@ from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Floor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.cells import LEVEL_WINDOW_M, SortedPoints, fitting_cell_m, smoothed
+from flatgrasp_cli.scene.masks import ends_of, hull_of, span_of
 from flatgrasp_cli.scene.strays import lonely
 from flatgrasp_cli.scene.support_plane import MAD_TO_SIGMA
 
 PLANE_SIGMAS = 3.0
+"""Standard deviations of a point's noise within which a height is the plane's own: 99.7 % of them are."""
 POINT_SIGMAS = 2.5
+"""Standard deviations by which a point, or the mean of a cell, must stand out of the plane: 0.6 % of the plane's own
+do."""
 SMOOTH_CELLS = 3
+"""Side of the window over which cells are averaged, in cells: the mean of nine has a third of one cell's noise."""
 HIGH_M = 0.02
-"""Higher points count as this high in a mean, lest a single one that flies lift all cells around it."""
+"""Points higher than this, metres, enter a mean with this height, lest a single flying one lift all cells around it."""
 RING_M = 0.04
-"""How far around a cluster the plane is looked for."""
+"""How far around a cluster the plane is looked for, metres: beyond the shadow of a low object, but not where another
+surface than the one that it stands on may begin."""
 RIM_M = 0.015
-"""An object's middle lies at least this far inside the convex hull of the plane: what stands at its edge is cut off."""
+"""An object's middle lies at least this far inside the convex hull of the plane, metres: nearer to
+the edge of a view, half of an object is cut off."""
 EDGE_M, EDGE_RIPPLE_M = 0.03, 0.01
-"""A stereo camera matches windows of some 20 pixels, 30 mm at a metre: so near to the plane's edge they hold what lies
-beyond it, too, and the plane's own height is wrong by up to a centimetre."""
+"""Within the first of the plane's edge, a cluster no higher than the second is no object, metres: a stereo camera
+matches windows of some 20 pixels, 30 mm at a metre. Near the edge they also hold what lies beyond it, and the plane's
+own height is wrong by up to a centimetre."""
 PATCH_M = 0.03
-"""So wide is a piece of the support plane somewhere: three fingers."""
+"""Least width of a piece of the support plane at its widest place, metres: three fingers. What only crosses the plane,
+as a wall does, is narrower."""
 MIN_POINTS = 30
+"""Least number of points in the cells of an object: with fewer, an outline is mostly noise."""
 STRAY_M, STRAY_CELLS = 0.01, 3.0
-"""A point with hardly another around it belongs to nothing: within a centimetre or two, or, in a sparse cloud, within
-three cells of the raster."""
+"""A point with hardly another around it belongs to nothing. Around it means within one or two times this, metres, or,
+in a sparse cloud, this many cells of the raster."""
 GRID_SAMPLE, SCATTER_SAMPLE = 20_000, 10_000
+"""Points by which the raster is laid out, and cells by which its scatter is measured: both are then known to 1 %."""
 BLOCK = 16_384
+"""Points worked on at once: as many as stay in a processor's cache. A result does not depend on it."""
 CALM_WINDOW_M = 0.025
+"""Side of the square over which the free plane's level is averaged, metres: some hundred points, and no wider than a
+finger with its clearance."""
 MARGIN_M = 0.1
-"""Points farther beyond the support plane's own are not looked at: a room behind the table."""
+"""Points farther than this outside of the support plane, metres, are not looked at: they are the room behind the table.
+"""
 SECTORS, MIN_SECTORS = 16, 5
-"""Directions around an object, and how many of them must show the support plane for it to stand there."""
+"""Directions around an object, and in how many of them the support plane must be seen if the object stands on it: seen
+obliquely before a wall, a third of them are left."""
 LEAST_OUTSIDE = 0.3
-"""Least share of the plane outside the objects' convex hulls; with less, the plane is part of an object."""
+"""Least share of the plane outside the objects' convex hulls. With less, the plane is a part of an object: the floor of
+a pan, whose rim stands around it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Clusters:
-    """Indices of the points of each object, and of those above the plane that belong to none; and the plane itself.
+    """Indices of the points of each object and of those above the plane that belong to none; and the plane itself.
 
     Objects that touched have the same of the `groups`; None is that of those that stand apart. `container` are the
     indices of the points of a bin around the objects, whose walls are `solid` (k, 3). `floor` is what was seen of the
-    plane with nothing on it. `lie_on_table` says whether there are objects, and enough of the plane around them not to
+    plane with nothing on it. `lie_on_table` tells whether there are objects, and enough of the plane around them not to
     be part of one; `extent_m` is the plane's diagonal.
     """
 
@@ -69,7 +86,7 @@ class Clusters:
 
 
 def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettings) -> Clusters | None:
-    """Objects among `points` (n, 3) that stand on `plane`, largest first; None if no cell shows the plane itself."""
+    """The objects among `points` (n, 3) on `plane`, largest first; None if no cell shows the plane itself."""
     frame = frame_on_plane(plane.normal, plane.offset_m)
     found, heights = _sorted(points, frame, _raster(points, frame, plane.noise_m), -PLANE_SIGMAS * plane.noise_m)
     total = found.total(heights)
@@ -81,7 +98,7 @@ def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettin
     labels = _labels(_bridged(standing, settings.gap_m / found.raster.cell_m)) * standing
     chosen = _objects(found, labels, own, table, settings)
 
-    # from here on only the points in cells that stand out, a few of all
+    # from here on only the points in cells that stand out, which are few
     rows = np.flatnonzero(standing.take(found.cell))
     cell = found.cell[rows]
     rows = rows[heights[rows] > np.minimum(POINT_SIGMAS * plane.noise_m, 0.5 * own.ravel()[cell])]
@@ -92,12 +109,12 @@ def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettin
         clutter=rows[~np.isin(piece, chosen)],
         floor=_floor(frame, found, total, rows, heights[rows]),
         lie_on_table=bool(chosen) and _outside_share(labels, chosen, table) >= LEAST_OUTSIDE,
-        extent_m=float(found.raster.cell_m * np.hypot(*_span(table))),
+        extent_m=float(found.raster.cell_m * np.hypot(*span_of(table))),
     )
 
 
 def _raster(points: FloatArray, frame: Frame, noise_m: float) -> Raster:
-    """Cells for the plane and a margin around it, as far as there are points, by an even sample of them."""
+    """A raster of the plane and a margin around it, as far as there are points, laid out by an even sample of them."""
     chosen = spread_indices(len(points), GRID_SAMPLE)
     x, y, heights = frame.to_local(points[chosen]).T
     flat = np.abs(heights) < PLANE_SIGMAS * noise_m
@@ -110,8 +127,8 @@ def _raster(points: FloatArray, frame: Frame, noise_m: float) -> Raster:
 def _sorted(points: FloatArray, frame: Frame, raster: Raster, lowest_m: float) -> tuple[SortedPoints, FloatArray]:
     """All points above `lowest_m` sorted into the raster, and the heights (n,) of all, cut off at `HIGH_M`.
 
-    A frame has hundreds of thousands of points: they are read once, block by block, so that what lies between their
-    coordinates and their cells never leaves the processor's cache.
+    A frame has hundreds of thousands of points. They are read once, block by block, so that nothing on the way from
+    coordinates to cells leaves the processor's cache.
     """
     cell, heights = np.empty(len(points), dtype=np.intp), np.empty(len(points))
     offset = float(frame.axes[2] @ frame.origin)
@@ -127,9 +144,9 @@ def _sorted(points: FloatArray, frame: Frame, raster: Raster, lowest_m: float) -
 
 
 def _floor(frame: Frame, found: SortedPoints, total: FloatArray, rows: IntArray, heights: FloatArray) -> Floor:
-    """The cells with points of the plane, at the mean height of those around: a point's own is mostly noise.
+    """The cells with points of the plane, at the mean height of those around them: a cell's own is mostly noise.
 
-    `total` is the sum of all heights in each cell, `rows` and `heights` belong to points that are not the plane's.
+    `total` is the sum of all heights in each cell; `rows` and `heights` belong to the points that are not the plane's.
     """
     cell = found.cell[rows]
     count = found.count - np.bincount(cell, minlength=found.count.size).reshape(found.count.shape)
@@ -142,7 +159,7 @@ def _floor(frame: Frame, found: SortedPoints, total: FloatArray, rows: IntArray,
 def _standing(
     found: SortedPoints, own: FloatArray, table: BoolArray, noise_m: float, settings: SceneSettings
 ) -> BoolArray:
-    """Which cells stand out of the plane, whose local level ripples: by their surroundings' mean and by their `own`."""
+    """Which cells stand out of the plane, whose level ripples: by the mean of their surroundings and by their `own`."""
     window = 2 * round(0.5 * LEVEL_WINDOW_M / found.raster.cell_m) + 1
     smooth = smoothed(own, found.count, SMOOTH_CELLS) - smoothed(own, table, window)
     ripple = smooth[table]
@@ -153,6 +170,7 @@ def _standing(
 
 
 def _bridged(mask: BoolArray, gap_cells: float) -> ByteArray:
+    """The mask grown on all sides by half of the gap that is to be bridged."""
     cross = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
     return np.asarray(cv2.dilate(mask.view(np.uint8), cross, iterations=round(0.5 * gap_cells)))
 
@@ -178,7 +196,7 @@ def _broad(mask: BoolArray, cell_m: float) -> BoolArray:
 def _objects(
     found: SortedPoints, labels: IntArray, heights: FloatArray, table: BoolArray, settings: SceneSettings
 ) -> list[int]:
-    """Names of the clusters that are objects, largest first: big enough, and amid the plane."""
+    """Names of the clusters that are objects, largest first: large enough, and amid the plane."""
     import shapely
 
     cell = np.flatnonzero(labels)
@@ -187,7 +205,7 @@ def _objects(
     cells = np.bincount(name_of)
     points = np.bincount(name_of, weights=found.count.ravel()[cell])
     large = (cells * found.raster.cell_m**2 >= settings.min_size_m**2) & (points >= MIN_POINTS)
-    hull = _hull(table)
+    hull = hull_of(table)
     amid, beyond_ripple = (hull.buffer(-margin / found.raster.cell_m) for margin in (RIM_M, EDGE_M))
     chosen = []
     for name in np.flatnonzero(large).tolist():
@@ -204,30 +222,8 @@ def _objects(
     return sorted(chosen, key=lambda name: -int(cells[name]))
 
 
-def _hull(mask: BoolArray) -> Any:
-    """Convex hull of a mask's cells, as a shapely geometry: of the first and the last one in each row."""
-    import shapely
-
-    rows, first, last = _ends(mask)
-    ends = np.column_stack([np.tile(rows, 2), np.concatenate([first, last])])
-    return shapely.LineString(ends).convex_hull  # a line's, for many points take long to make
-
-
-def _ends(mask: BoolArray) -> tuple[IntArray, IntArray, IntArray]:
-    """The rows in which a mask has cells, and the first and last column of those in each."""
-    rows = np.flatnonzero(mask.any(axis=1))
-    last = mask.shape[1] - 1 - mask[rows, ::-1].argmax(axis=1)
-    return rows, mask[rows].argmax(axis=1), last
-
-
-def _span(mask: BoolArray) -> FloatArray:
-    """How many cells lie between a mask's first and last row and column (2,)."""
-    rows, first, last = _ends(mask)
-    return np.array([np.ptp(rows), last.max() - first.min()], dtype=np.float64)
-
-
 def _sectors(low: IntArray, high: IntArray, middle: FloatArray, table: BoolArray, reach: float) -> int:
-    """In how many directions from a cluster's `middle` (2,) the plane appears within `reach` cells of its box."""
+    """In how many directions from a cluster's `middle` (2,) the plane is seen within `reach` cells of its box."""
     start, end = np.maximum(low - round(reach), 0), high + round(reach)
     row, column = np.nonzero(table[start[0] : end[0], start[1] : end[1]])
     angle = np.arctan2(row + start[0] - middle[0], column + start[1] - middle[1])
@@ -236,10 +232,10 @@ def _sectors(low: IntArray, high: IntArray, middle: FloatArray, table: BoolArray
 
 
 def _outside_share(labels: IntArray, chosen: list[int], table: BoolArray) -> float:
-    """Share of the plane's cells outside the convex hulls of the objects: that of a hollow object holds its floor."""
+    """Share of the plane's cells outside the objects' convex hulls: a hollow object's floor lies inside its own."""
     covered = np.zeros(table.shape, dtype=np.uint8)
     for name in chosen:
-        rows, first, last = _ends(labels == name)
+        rows, first, last = ends_of(labels == name)
         ends = np.column_stack([np.concatenate([first, last]), np.tile(rows, 2)])  # OpenCV's x is the column
         cv2.fillConvexPoly(covered, cv2.convexHull(ends.astype(np.int32)), 1)
     return 1.0 - int(np.count_nonzero(table & (covered > 0))) / max(1, int(np.count_nonzero(table)))

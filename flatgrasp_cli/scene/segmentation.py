@@ -12,26 +12,30 @@ from flatgrasp_cli.scene.clusters import find_clusters
 from flatgrasp_cli.scene.heaps import Heap
 from flatgrasp_cli.scene.objects import objects_of, overlook
 from flatgrasp_cli.scene.selection import cropped, selected
-from flatgrasp_cli.scene.support_plane import find_support_plane
+from flatgrasp_cli.scene.support_plane import SAMPLE, find_support_plane
 
 LARGEST_EXTENT_M = 20.0
-"""No view of objects for a gripper is wider than this: a lidar's is, and one that is in millimetres."""
+"""No view of objects for a gripper is wider than this, metres; a lidar's is, and so is a cloud in millimetres."""
 UPRIGHT_SHARE = 0.2
-"""How much the way to the sensor counts beside the way up: it decides where the main plane stands within 11° (the
-arcus tangent) of upright, and has no upper side."""
+"""Weight of the way to the sensor beside the way up. The sensor decides if the main plane stands within 11°, the arc
+tangent of this, of upright, where it has no upper side."""
 NO_PLANE = "no support plane was found"
 NOTHING_STANDS = "nothing stands on the support plane"
-SAMPLE, STRAY_SHARE = 2000, 0.02
+STRAY_SHARE = 0.02
+"""Share of a cloud's points, at either end of an axis, that may be strays and do not tell its extent."""
 SIGMAS, LEAST_BELOW_M, MOST_BELOW_M = 3.0, 0.010, 0.1
+"""What lies close below a plane: by more than so many standard deviations of its noise and more than the least, which
+is a table's own ripple, and no farther than the most, metres, where a floor or a shelf may begin."""
 BELOW_SHARE = 0.03
-"""Of the points on a plane: real tables have less than 1 % close below them, their edges."""
+"""Share of points close below a plane, of those on it, from which on the plane is a part of a body. Real tables have
+less than 1 %, at their edges."""
 
 
 def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
     """The objects that `cloud` shows.
 
-    In mode `auto` a plane is a support plane if objects stand on it with more of it around them and nothing goes on
-    below, or if it is too long for an object; else the whole cloud is one object.
+    In mode `auto` a plane is a support plane if objects stand on it, with enough of it around them and little below it,
+    or if it is too long for an object; else the whole cloud is one object.
     """
     cloud = cropped(cloud, settings.crop)
     sensor = cloud.sensor or Sensor("assumed", np.zeros(3))
@@ -64,7 +68,7 @@ def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
 
 
 def _too_large(points: FloatArray) -> str | None:
-    """Why a cloud is no view of objects, stray points aside; None if it may be one."""
+    """Why a cloud, apart from stray points, is no view of objects; None if it may be one."""
     if len(points) == 0:
         return None
     sample = points[spread_indices(len(points), SAMPLE)]
@@ -77,7 +81,7 @@ def _too_large(points: FloatArray) -> str | None:
 
 
 def _goes_on_below(points: FloatArray, plane: SupportPlane) -> bool:
-    """Whether much lies close below a plane, as the flanks of a body do below one through its front."""
+    """Whether much lies close below a plane, as a body's flanks do below a plane through its front."""
     heights = plane.heights(points[spread_indices(len(points), SAMPLE)])
     on = np.abs(heights) < SIGMAS * plane.noise_m
     below = (heights < -max(SIGMAS * plane.noise_m, LEAST_BELOW_M)) & (heights > -MOST_BELOW_M)
@@ -85,7 +89,7 @@ def _goes_on_below(points: FloatArray, plane: SupportPlane) -> bool:
 
 
 def _alone(points: FloatArray, sensor: Sensor, up: tuple[float, float, float] | None) -> Scene:
-    """All points as one object, which the hand comes to from above if `up` (3,) tells that, else from the sensor."""
+    """All points as one object; the hand comes from above if `up` (3,) is known, else from the sensor."""
     toward = sensor.toward(points.mean(axis=0)) if len(points) else np.zeros(3)
     if up is not None:
         length = max(float(np.linalg.norm(toward)), 1e-12)

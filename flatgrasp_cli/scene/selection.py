@@ -19,9 +19,9 @@ def cropped(cloud: Cloud, crop: tuple[float, ...] | None) -> Cloud:
 def selected(
     objects: tuple[ObjectCloud, ...], select: str | tuple[float, float], sensor: Sensor
 ) -> tuple[ObjectCloud, ...]:
-    """The wanted objects; those that are not stay obstacles to the others.
+    """The wanted objects; the others remain obstacles to them.
 
-    The one nearest to a `sensor` of which only the direction is known is the one that reaches furthest toward it.
+    If only the direction to the `sensor` is known, the nearest object is the one that reaches farthest in it.
     """
     if select == "all" or not objects:
         return objects
@@ -39,4 +39,5 @@ def selected(
 
 
 def _nearest(points: FloatArray, place: FloatArray) -> float:
+    """Distance from a place to the nearest of the points; infinite if there are none."""
     return float(np.linalg.norm(points - place, axis=1).min(initial=np.inf))

@@ -1,4 +1,4 @@
-"""Single points that belong to nothing: flying pixels, reflections, a wrong float. They must not decide anything."""
+"""Single points that belong to nothing: flying pixels, reflections, wrong numbers. They must not decide anything."""
 
 from __future__ import annotations
 
@@ -9,20 +9,26 @@ from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Cloud
 
 SAMPLE, TAIL_SHARE = 4000, 0.01
-"""The box that holds a cloud but for this share at each end of each axis, of an even sample."""
+"""Points of an even sample, and the share of them, at either end of each axis, that may lie outside of the bulk: 40."""
 LEAST_MARGIN_M = 1.0
+"""Points within this of the bulk, metres, are no far strays, however small it is: the room around a table is as near.
+"""
 ALONE = 3
-"""So many points within a block of 3 × 3 × 3 cells, or more, are no strays."""
+"""So many points within a block of 3 × 3 × 3 cells, or more, are no strays: flying pixels come one by one or in pairs.
+"""
 REPEATED, MOST_REPEATED = 4, 8
-"""A place that a sample holds so often is a repeated one; and how many such places are looked for."""
+"""A place that a sample holds so often is a repeated one: in millimetre steps two points may coincide, hardly four. And
+the number of such places that are looked for: one for each transform or file that padded the cloud."""
 MAX_CELLS = 4_000_000
+"""Largest number of cells: 32 MB of numbers. Cells become larger instead."""
 ROW = 512
+"""Points compared at once: numpy is slow at short rows. A result does not depend on it."""
 
 
 def without_far_strays(cloud: Cloud) -> Cloud:
-    """The cloud without points farther from the bulk of it than that is large, and than a metre; they are dropped.
+    """The cloud without the points that lie farther from its bulk than the bulk is large, and farther than a metre.
 
-    What is looked for stands in the bulk; extents, rasters and range images of the whole would be the strays'.
+    Objects stand within the bulk. With the strays, extents, rasters and range images would be mostly empty.
     """
     if len(cloud.points) == 0:
         return cloud
@@ -36,10 +42,10 @@ def without_far_strays(cloud: Cloud) -> Cloud:
 
 
 def without_repeats(cloud: Cloud) -> Cloud:
-    """The cloud with one of each point that it holds again and again; the others are dropped.
+    """The cloud with a single one of each point that it holds again and again.
 
-    No sensor measures the same place twice to the last digit. What does so are invalid points of which a transform made
-    the sensor's place or another, and copies that fill a cloud up to a length.
+    No sensor measures the same place repeatedly to the last digit. Such points are invalid ones, moved to the sensor's
+    place or another by a transform, or copies that pad a cloud to a fixed length.
     """
     sample = cloud.points[spread_indices(len(cloud.points), SAMPLE)]
     values, counts = np.unique(sample[:, 0], return_counts=True)
@@ -57,7 +63,7 @@ def without_repeats(cloud: Cloud) -> Cloud:
 
 
 def _outside(points: FloatArray, low: FloatArray, high: FloatArray) -> IntArray:
-    """Rows of `points` (n, 3) outside a box; long rows of many points each are compared at once, which is faster."""
+    """Rows of `points` (n, 3) outside a box; many points are compared as one long row, which is faster."""
     whole = len(points) - len(points) % ROW
     long = points[:whole].reshape(-1, 3 * ROW)
     if not ((long < np.tile(low, ROW)) | (long > np.tile(high, ROW))).any():

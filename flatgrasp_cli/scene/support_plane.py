@@ -14,31 +14,44 @@ from flatgrasp_cli.model import Sensor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 
 SAMPLE = 2000
+"""Points of an even sample by which planes are looked for and extents told: shares of them are then known to 1 %, and
+hypotheses are scored in a few milliseconds."""
 REFINEMENT_SAMPLE = 10_000
+"""Points by which it is fitted: of a plane of 60 cm with noise of 3 mm, its normal is then known to 0.01°."""
 MAX_PLANES = 4
-"""Planes looked for, one after another, while enough of the sample is left for one that counts."""
+"""Largest number of planes that are looked for, one after another: a table, the floor below it and two walls."""
 TOLERANCE_SHARE, TOLERANCE_RANGE_M = 0.008, (0.004, 0.03)
-"""How far from a hypothesis points agree with it: a share of their distance from the sensor."""
+"""How far from a hypothesis points agree with it, as a share of their distance from the sensor: three times the noise
+of a structured-light sensor at 2 m (Khoshelham & Elberink 2012). And the least and the most of it, metres."""
 TYPICAL_DISTANCE_M = 1.0
-"""Of a sensor whose place is not known from what it sees."""
+"""Distance of a sensor whose place is not known, metres: arms reach no farther."""
 MIN_SENSOR_HEIGHT_M = 0.1
-"""A viewpoint closer to the plane is no sensor's: clouds in a table's own frame leave it at the origin."""
+"""A viewpoint closer to the plane than this, metres, is no sensor's: clouds in a table's own frame have it at the
+origin."""
 PARALLEL_COS = np.cos(np.radians(10))
+"""Cosine of the angle within which planes lie on top of each other: a table and its floor are parallel, but hypotheses
+are some degrees off."""
 SECOND_SHARE = 0.3
-"""Of planes on top of each other (table, floor) the nearer counts if it has this share of the bigger one's points."""
+"""Of planes on top of each other (table, floor) the nearer counts if it has this share of the larger one's points: a
+table that is the subject of a view fills a good part of it, a box on it does not."""
 CLEAR_BELOW, MOST_BELOW_M, MOST_CUT = 2.0, 0.1, 0.15
 """What lies lower by so many tolerances, and no more than by this, is close below a plane; and how many such points,
 over its own, a plane may have. Beside tables there are edges, and below them a floor that is farther away; a plane
 through the tops of things in a bin has half of the bin below it."""
 REFINEMENTS = 2
+"""Number of fits: one with the first tolerance, and one with that which follows from the plane's own scatter."""
 INLIER_SIGMAS = 3.0
+"""Standard deviations of its noise within which points belong to a plane: 99.7 % of them do."""
 LEAST_NOISE_M = 1e-4
-"""Of clouds that a simulator made, whose planes are flat to the last digit."""
+"""Least noise of a plane, metres: a simulator's planes are flat to the last digit, and thresholds are multiples of it.
+"""
 MAD_TO_SIGMA = 1.4826
-"""Of normally distributed values: standard deviation over median absolute deviation."""
+"""Ratio of the standard deviation of normally distributed values to their median absolute deviation."""
 
 
 class _Fit(NamedTuple):
+    """A plane, its unit normal (3,) turned to the side that objects stand on, and its share of the points."""
+
     normal: FloatArray
     offset: float
     share: float
@@ -47,8 +60,8 @@ class _Fit(NamedTuple):
 def find_support_plane(points: FloatArray, sensor: Sensor, settings: SceneSettings, seed: int) -> SupportPlane | None:
     """The plane of `points` (n, 3) that objects could stand on; None when no plane has enough of the points.
 
-    With `settings.up` (3,) the biggest plane that it is normal to, else the biggest one that faces the `sensor`. Of
-    planes on top of each other the nearer to the sensor is taken, unless it is small.
+    It is the largest plane that `settings.up` (3,) is normal to or, without that, the largest one that faces the
+    `sensor`. Of planes on top of each other it is the one nearer to the sensor, unless that is small.
     """
     sample = points[spread_indices(len(points), SAMPLE)]
     planes = [fit for fit in _planes(sample, sensor, settings, seed) if fit.share >= settings.min_plane_share]
@@ -65,7 +78,7 @@ def find_support_plane(points: FloatArray, sensor: Sensor, settings: SceneSettin
 
 
 def looks_down(sensor: Sensor, normal: FloatArray, offset: float) -> bool:
-    """Whether the `sensor` looks at the plane from the side of its normal, as far as its place is known."""
+    """Whether the `sensor` looks at the plane from the side of its normal; False if its place is not known."""
     if sensor.position is None:
         return False
     return bool(normal @ sensor.position - offset >= MIN_SENSOR_HEIGHT_M)
@@ -79,6 +92,7 @@ def _cuts(fit: _Fit, sample: FloatArray, sensor: Sensor) -> bool:
 
 
 def _faces(fit: _Fit, sample: FloatArray, sensor: Sensor, settings: SceneSettings) -> bool:
+    """Whether objects could stand on the plane: by the way up or, where that is not given, by the way to the sensor."""
     if settings.up is not None:
         up = np.asarray(settings.up)
         return bool(fit.normal @ up > np.cos(np.radians(settings.max_tilt_deg)) * np.linalg.norm(up))
@@ -91,7 +105,7 @@ def _faces(fit: _Fit, sample: FloatArray, sensor: Sensor, settings: SceneSetting
 
 
 def _planes(sample: FloatArray, sensor: Sensor, settings: SceneSettings, seed: int) -> Iterator[_Fit]:
-    """Planes one after another, each from the points that the ones before left over."""
+    """Planes one after another, each from the points that the ones before it left over."""
     rng = np.random.default_rng(seed)
     rest, biggest = sample, 0.0
     for _ in range(MAX_PLANES):
@@ -109,6 +123,7 @@ def _planes(sample: FloatArray, sensor: Sensor, settings: SceneSettings, seed: i
 
 
 def _tolerance(points: FloatArray, sensor: Sensor) -> FloatArray:
+    """How far (n,) from a plane points (n, 3) may lie to agree with it, metres."""
     if sensor.position is None:
         return np.full(len(points), TOLERANCE_SHARE * TYPICAL_DISTANCE_M)
     apart = points - sensor.position
@@ -117,7 +132,7 @@ def _tolerance(points: FloatArray, sensor: Sensor) -> FloatArray:
 
 
 def _refined(points: FloatArray, sensor: Sensor, fit: _Fit) -> SupportPlane:
-    """Least squares on an even sample's inliers, with a tolerance that follows from their own scatter."""
+    """Least squares on the inliers of an even sample, within a tolerance that follows from their own scatter."""
     points = points[spread_indices(len(points), REFINEMENT_SAMPLE)]
     normal, offset = fit.normal, fit.offset
     residuals = points @ normal - offset
@@ -138,7 +153,7 @@ def _refined(points: FloatArray, sensor: Sensor, fit: _Fit) -> SupportPlane:
 def _oriented(
     normal: FloatArray, offset: float, points: FloatArray, sensor: Sensor, settings: SceneSettings
 ) -> tuple[FloatArray, float]:
-    """The same plane, its normal along `settings.up`, else to the sensor, else to where most other points lie."""
+    """The same plane with its normal along `settings.up`, or else to the sensor, or else to where most points lie."""
     if settings.up is not None:
         positive = float(normal @ np.asarray(settings.up)) > 0
     elif sensor.position is None and sensor.direction is not None:

@@ -39,7 +39,7 @@ def located(cloud: Cloud, up: tuple[float, float, float] | None, seed: int) -> C
     `up` (3,), of any length, is the way up in the cloud's frame, where that is known.
     """
     rng = np.random.default_rng(seed)
-    if cloud.viewpoint is not None and not _nearby(cloud.viewpoint, np.zeros(3), LARGEST_COORDINATE_M):
+    if cloud.viewpoint is not None and np.abs(cloud.viewpoint).max() > LARGEST_COORDINATE_M:
         cloud = replace(cloud, viewpoint=None, inverse_viewpoint=None)
     upward = None if up is None else np.asarray(up) / np.linalg.norm(up)
     sensor, warnings = _stated(cloud, upward, rng)

@@ -143,6 +143,7 @@ def _explain(error: ValidationError) -> str:
     names = ("loop", "corner", "coordinate")[3 - len(places) if len(places) > 2 else 1 :]
     where = ", ".join(f"{name} {place}" for name, place in zip(names, places, strict=False))
     text = problem["msg"].replace("Input should be", "must be").replace("List should have", "must have")
+    text = text.replace(" after validation", "")
     return f"{where}: {text}" if where else f"{text}; a JSON list of [x, y], or CSV of x,y is wanted"
 
 

@@ -1,7 +1,7 @@
 """Beyond the paper: what stands around an object along an approach direction, and what of it was seen.
 
-`places` says what the method runs on; its `Surroundings` answer what the method asks: at which sides fingers can stand,
-whether an object's thickness was seen, how far the hand can come, and what that costs.
+`places` tells what the method runs on. The `Surroundings` of a place answer what the method asks: at which sides
+fingers can stand, whether the object's thickness was seen, how far the hand can come, and what that costs.
 """
 
 from flatgrasp_cli.surroundings.alone import Alone

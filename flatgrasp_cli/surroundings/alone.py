@@ -13,13 +13,10 @@ from flatgrasp_cli.model import FingerCandidates, GraspCandidates, Silhouette
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import HandSettings, PlannerSettings
 
-MAX_CELLS = 20_000
-"""Hands × points worked on at once: as much as stays in a processor's cache."""
-
 
 @dataclass(frozen=True, slots=True)
 class Alone:
-    """Nothing but the object, all around of which the hand finds room; its own height may still meet the palm."""
+    """Nothing but the object: the hand has room all around it, though the object itself may reach into the palm."""
 
     settings: PlannerSettings
 
@@ -30,22 +27,22 @@ class Alone:
 
     @property
     def lowest_m(self) -> float:
-        """The main plane's."""
+        """The height of the main plane."""
         return 0.0
 
     def sides(self, fingers: FingerCandidates, _funnel: Funnel, /) -> FingerCandidates:
-        """All of the candidates: there is nothing that a finger could meet."""
+        """All of the candidates: there is nothing for a finger to meet."""
         return fingers
 
     def of_known_thickness(
         self, _fingers: FingerCandidates, grasps: GraspCandidates, _funnel: Funnel, /
     ) -> GraspCandidates:
-        """All of the pairs: the outline of an object alone is taken as it is."""
+        """All of the pairs: an object alone is as thick as its silhouette."""
         return grasps
 
     def approached(
         self,
-        outline: Silhouette,
+        silhouette: Silhouette,
         _fingers: FingerCandidates,
         grasps: GraspCandidates,
         gripper: Gripper,
@@ -53,11 +50,11 @@ class Alone:
         /,
     ) -> GraspCandidates:
         """The pairs at which the object stays out of the palm, with the fingertips' ends in the main plane."""
-        above, long_m = float(outline.heights.max()), gripper.finger_length_m
+        above, long_m = float(silhouette.heights.max()), gripper.finger_length_m
         kept = funnel.at_most(
             "palm",
             grasps,
-            palm_intrusion(outline, grasps.center, grasps.axis, gripper),
+            palm_intrusion(silhouette, grasps.center, grasps.axis, gripper),
             0.0,
             lambda _: f"the object stands {above:.3f} m above the fingertips, fingers are {long_m:.3f} m long",
         )
@@ -73,22 +70,22 @@ class Alone:
 
 
 def openings(grasps: GraspCandidates, gripper: Gripper, settings: HandSettings) -> FloatArray:
-    """Opening (p,) to approach with: `preshape_m` of free space at each pad, less where the room or the hand ends."""
+    """Opening (p,) on the approach, metres: `preshape_m` of free space at each pad, if room and hand allow it."""
     spare = grasps.room.min(axis=1) - gripper.finger_thickness_m
     return np.asarray(np.minimum(grasps.width + 2 * np.minimum(spare, settings.preshape_m), gripper.max_opening_m))
 
 
-def palm_intrusion(outline: Silhouette, hand_centers: FloatArray, axes: FloatArray, gripper: Gripper) -> FloatArray:
+def palm_intrusion(silhouette: Silhouette, hand_centers: FloatArray, axes: FloatArray, gripper: Gripper) -> FloatArray:
     """How far (p,) the object reaches into the palm of hands at `hand_centers` closing along `axes` (p, 2); 0 if not.
 
     The fingertips' ends lie in the main plane, so only points higher than the fingers are long can meet the palm.
     """
     intrusion = np.zeros(len(hand_centers))
-    tall = outline.heights > gripper.finger_length_m
+    tall = silhouette.heights > gripper.finger_length_m
     if not tall.any():
         return intrusion
-    points, excess = outline.points[tall], outline.heights[tall] - gripper.finger_length_m
-    for part in chunks(len(hand_centers), len(points), MAX_CELLS):
+    points, excess = silhouette.points[tall], silhouette.heights[tall] - gripper.finger_length_m
+    for part in chunks(len(hand_centers), len(points)):
         x, y = in_frames(points, hand_centers[part], axes[part])
         inside = (np.abs(x) <= 0.5 * gripper.hand_width_m) & (np.abs(y) <= 0.5 * gripper.palm_m)
         intrusion[part] = np.where(inside, excess[:, None], 0.0).max(axis=0)

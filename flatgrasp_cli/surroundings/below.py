@@ -13,11 +13,13 @@ from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import HandSettings
 
 AT_CONTACT_M = 0.005
-"""So near to the pad what is seen may be the object that it rests on."""
+"""Closer to the pad than this, metres, a point of the object may be one that the pad rests on: two cells of the map and
+the silhouette's own uncertainty."""
 MAX_PAIRS = 200_000
-"""Hands × cells worked on at once: as much as stays in a processor's cache."""
+"""Hands × cells worked on at once: as many as stay in a processor's cache. A result does not depend on it."""
 SAME_M = 0.001
-"""What lies this much lower without the object's own points is the object itself."""
+"""If what a finger meets would be lower by more than this, metres, without the object's own points, it is the object.
+It decides how a refusal is worded, and lies above rounding and below the height of anything."""
 
 
 def under_fingers(
@@ -28,9 +30,10 @@ def under_fingers(
     gripper: Gripper,
     clearance_m: float,
 ) -> tuple[FloatArray, FloatArray]:
-    """Highest point, and length that no ray reached, (MARGINS, p) below fingers that come that far from the pads.
+    """Highest point and length that no ray reached, metres, (MARGINS, p) each, below fingers `margins` beside the pads.
 
-    Near the pads, where the object itself is seen, they meet the `rest`, and farther out whatever is `highest`.
+    Near the pads, where the object itself may be seen, fingers can meet only the `rest`; farther out, whatever is
+    `highest`.
     """
     cell = rest.cell_m
     out = np.arange(0.5 * cell, float(margins.max()) + gripper.finger_thickness_m + cell, cell)
@@ -70,19 +73,23 @@ def palm_room(
         return room
     lowest = float(grasps.tip.min()) + headroom
     for miss_m in (0.5 * settings.preshape_m, settings.preshape_m):
-        met = under_palm(grasps, chart, lowest, gripper, miss_m + settings.clearance_m)
+        met = under_palm(grasps.center, grasps.axis, chart, lowest, gripper, miss_m + settings.clearance_m)
         room = np.where(met <= grasps.tip + headroom, miss_m, room)
     return room
 
 
 def under_palm(
-    grasps: GraspCandidates, chart: HeightMap, least_m: float, gripper: Gripper, beside_m: float = 0.0
+    middle: FloatArray,
+    axis: FloatArray,
+    chart: HeightMap,
+    least_m: float,
+    gripper: Gripper,
+    beside_m: float = 0.0,
 ) -> FloatArray:
-    """Highest point (p,) below the palm, and `beside_m` around it, where that is higher than `least_m`.
+    """Highest point (p,) below the palm and `beside_m` around it, metres, if it is higher than `least_m`.
 
     What is lower is not in its way.
     """
-    middle, axis = grasps.center, grasps.axis
     highest = np.full(len(middle), UNSEEN)
     reach = 0.5 * np.array([gripper.hand_width_m, gripper.palm_m]) + 0.5 * chart.cell_m + beside_m
     tall = chart.higher_than(least_m)
@@ -103,12 +110,12 @@ def under_palm(
 
 
 def _steps(size: float, cell_m: float) -> FloatArray:
-    """Places from −size/2 to size/2 no more than a cell apart."""
+    """Places from −size/2 to size/2, no more than a cell apart."""
     return np.linspace(-0.5 * size, 0.5 * size, max(2, int(np.ceil(size / cell_m)) + 1))
 
 
 def too_low(upright_m: float, need_m: float) -> Miss:
-    """Said of pads that cannot hold enough, though nothing is in their way."""
+    """The refusal of pads that cannot hold enough, although nothing is in their way."""
     return Miss(
         f"the object is too low or too slanted: the pads find {1e3 * max(upright_m, 0.0):.1f} mm of upright side, "
         f"{1e3 * need_m:.1f} mm are needed",
@@ -117,7 +124,7 @@ def too_low(upright_m: float, need_m: float) -> Miss:
 
 
 def palm_meets(short_m: float, height_m: float, gripper: Gripper) -> Miss:
-    """Said of a palm that something high keeps up."""
+    """The refusal of a hand whose palm comes down on something high."""
     return Miss(
         f"the pads would end {1e3 * short_m:.1f} mm too high to grip: the palm comes down on what is "
         f"{1e3 * height_m:.0f} mm high, fingers are {1e3 * gripper.finger_length_m:.0f} mm long",
@@ -126,7 +133,7 @@ def palm_meets(short_m: float, height_m: float, gripper: Gripper) -> Miss:
 
 
 def fingers_meet(short_m: float, height_m: float, others_m: float) -> Miss:
-    """Said of fingers that come down on what is `height_m` high, `others_m` without the object's own points."""
+    """The refusal of fingers that come down on what is `height_m` high, `others_m` without the object's own points."""
     own = height_m - others_m > SAME_M
     what = "the object itself, beside the pads" if own else "what stands beside it"
     return Miss(

@@ -1,13 +1,12 @@
 """Beyond the paper: how deep the fingertips go, and what fingers and palm keep clear of.
 
-The hand comes straight against the plane's normal, so fingers and palm sweep upright boxes: they meet a point exactly
-when it lies over their footprint, above their end. A map of the highest points answers that for all pairs at once.
+The hand moves straight against the plane's normal, so fingers and palm sweep upright boxes: they meet a point exactly
+if it lies within their footprint and above their end. A map of the highest points tells that for all pairs at once.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,25 +16,26 @@ from flatgrasp_cli.model import FingerCandidates, GraspCandidates
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.surroundings.below import fingers_meet, palm_meets, palm_room, too_low, under_fingers, under_palm
+from flatgrasp_cli.surroundings.maps import Relief
 from flatgrasp_cli.surroundings.slices import lowest_tip
 from flatgrasp_cli.surroundings.walls import walls
 
-if TYPE_CHECKING:
-    from flatgrasp_cli.surroundings.on_support import OnSupport
-
 MIN_GRIP_SHARE = 0.5
-"""Share of a wall's height that the pads must hold where the wall is too low for the least grip."""
+"""Share of a wall's height that the pads must hold where the wall is too low for the least grip: the fingertips'
+clearance over the table takes a third of it."""
 MARGINS = 4
-"""How many openings are tried, from the one that is aimed at down to the least."""
+"""Openings that are tried, from the one that is aimed at down to the least: by default 6 mm a side apart, less than a
+finger is thick."""
 LOWER_M = 0.001
-"""A smaller opening must let the fingertips down by more than this to be chosen."""
+"""A smaller opening is chosen if the fingertips come down further by more than this, metres, the noise of a height."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Upright:
-    """What p pairs hold: the height of their `wall`, `firm` without flanks, the least grip `need`, and `seen` height.
+    """What p pairs hold, heights (p,) in metres.
 
-    All are (p,), metres. `seen` is the height at which the boundaries on both sides were seen.
+    `wall` is the top of the lower of the two walls, `firm` the same without what is only a flank, `need` the least
+    grip, and `seen` the height at which the boundaries on both sides were seen.
     """
 
     wall: FloatArray
@@ -45,7 +45,7 @@ class _Upright:
 
 
 def descended(
-    fingers: FingerCandidates, grasps: GraspCandidates, around: OnSupport, gripper: Gripper, funnel: Funnel
+    fingers: FingerCandidates, grasps: GraspCandidates, around: Relief, gripper: Gripper, funnel: Funnel
 ) -> GraspCandidates:
     """The pairs on which the hand can come down far enough, with `opening`, `tip`, `grip`, `margin`, `touch`."""
     settings, depth, maps = around.settings, around.settings.depth, around.maps
@@ -53,11 +53,11 @@ def descended(
     below, unseen = under_fingers(grasps, margins, maps.rest, maps.highest, gripper, clear_m)
     held = _held(fingers, grasps, around, gripper)
     lowest = np.minimum(around.lowest_m, lowest_tip(held.firm, depth))
-    lowest = np.maximum(lowest, around.level_m - depth.slice_step_m)  # what is deeper is a lower slice's
+    lowest = np.maximum(lowest, around.level_m - depth.slice_step_m)  # what lies deeper is for a lower slice
     headroom = gripper.finger_length_m - depth.palm_clearance_m
-    palm = under_palm(grasps, maps.coarse, lowest.min() + headroom, gripper)
+    palm = under_palm(grasps.center, grasps.axis, maps.coarse, lowest.min() + headroom, gripper)
     tips = _tips(below, palm - headroom, lowest, held, around)
-    choice = np.argmax(tips <= tips.min(axis=0) + LOWER_M, axis=0)  # widest of those that let the tips down
+    choice = np.argmax(tips <= tips.min(axis=0) + LOWER_M, axis=0)  # the widest that lets the tips down so far
     columns = np.arange(len(grasps))
     tip, margin = tips[choice, columns], margins[choice, columns]
 
@@ -85,38 +85,39 @@ def descended(
     return _looked_into(grasps, funnel) if depth.unseen == "refuse" else grasps
 
 
-def _held(fingers: FingerCandidates, grasps: GraspCandidates, around: OnSupport, gripper: Gripper) -> _Upright:
+def _held(fingers: FingerCandidates, grasps: GraspCandidates, around: Relief, gripper: Gripper) -> _Upright:
+    """What the pairs hold, by the walls at both of their finger candidates."""
     friction = around.settings.balance.friction_with(gripper)
     found = walls(fingers, around.maps.surface, around.maps.highest, around.level_m, friction)
     wall = np.minimum(found.top[grasps.i], found.top[grasps.j])
-    # Between two flanks the object slips out; where one side is upright, the other may be slanted.
+    # Between two flanks the object slips out; if one side is upright, the other may be slanted.
     firm = wall - np.minimum(found.flank[grasps.i], found.flank[grasps.j])
     need = np.minimum(around.settings.depth.min_grip_m, MIN_GRIP_SHARE * np.maximum(wall, 0.0))
     return _Upright(wall, firm, need, np.maximum(found.boundary[grasps.i], found.boundary[grasps.j]))
 
 
-def _tips(below: FloatArray, palm_tip: FloatArray, lowest: FloatArray, held: _Upright, around: OnSupport) -> FloatArray:
-    """Heights (MARGINS, p) at which the fingertips end, by what is `below` the fingers at each of the openings.
+def _tips(below: FloatArray, palm_tip: FloatArray, lowest: FloatArray, held: _Upright, around: Relief) -> FloatArray:
+    """Heights (MARGINS, p) at which the fingertips end, from what is `below` the fingers at each of the openings.
 
-    `palm_tip` (p,) is where they end when the palm meets something, `lowest` (p,) what they may go down to beside a
-    part that is too low for the common depth.
+    `palm_tip` (p,) is where they end if the palm meets something, `lowest` (p,) how low they may go beside a part that
+    is too low for the usual depth.
     """
     depth = around.settings.depth
     clearance = np.where(below > around.lowest_m, depth.obstacle_clearance_m, depth.min_clearance_m)
-    met = np.where(below > around.ground_m, below + clearance, -np.inf)  # what is no higher is the plane's own ripple
+    met = np.where(below > around.ground_m, below + clearance, -np.inf)  # anything lower is the plane's own ripple
     met = np.maximum(met, palm_tip)
     tips = np.maximum(met, max(around.lowest_m, around.level_m - depth.slice_step_m))
     return np.where(held.firm - tips.min(axis=0) < held.need, np.maximum(met, lowest), tips)
 
 
 def _looked_into(grasps: GraspCandidates, funnel: Funnel) -> GraspCandidates:
-    """The pairs the whole of whose way the sensor saw."""
+    """The pairs whose way the sensor saw entirely."""
     kept = funnel.at_most("unseen", grasps, grasps.unseen, 0.0, lambda value: f"{value:.3f} m of the way is hidden")
     return grasps.select(kept)
 
 
 def _margins(grasps: GraspCandidates, gripper: Gripper, settings: PlannerSettings) -> FloatArray:
-    """Free space (MARGINS, p) beside each pad to come with: from what is aimed at down to the least."""
+    """Free space (MARGINS, p) beside each pad on the approach, metres: from what is aimed at down to the least."""
     room = grasps.room.min(axis=1) - gripper.finger_thickness_m
     most = np.minimum(np.minimum(room, settings.hand.preshape_m), 0.5 * (gripper.max_opening_m - grasps.width))
     least = np.minimum(settings.hand.clearance_m, most)

@@ -34,14 +34,14 @@ class Surroundings(Protocol):
 
     def approached(
         self,
-        outline: Silhouette,
+        silhouette: Silhouette,
         fingers: FingerCandidates,
         grasps: GraspCandidates,
         gripper: Gripper,
         funnel: Funnel,
         /,
     ) -> GraspCandidates:
-        """The pairs to which the hand can come, with the opening to come with and the heights of tips and contacts."""
+        """The pairs to which the hand can come, with its opening on the way and the heights of tips and contacts."""
 
     def cost(self, grasps: GraspCandidates, /) -> FloatArray:
         """What the way there adds to the grasps' cost, metres (p,)."""

@@ -1,20 +1,22 @@
-"""The height maps that an object's surroundings are looked up in."""
+"""What an object's surroundings are looked up in: height maps, and what the sensor saw."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from flatgrasp_cli.geometry.height_map import HeightMap
+from flatgrasp_cli.profiles.settings import PlannerSettings
+from flatgrasp_cli.surroundings.view import View
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class HeightMaps:
-    """Heights of a slice and of what it stands on and amid, along the approach.
+    """Heights of a slice, of what it stands on and of what stands around it, along the approach.
 
     `surface` is the mean height of the slice's own points, `average` that of all of the object's. `rest` is the highest
-    of all others that fingers can meet, the free plane being 0 and what no ray reached −inf; `highest` that of
-    everything, for the parts of fingers that are away from the contact, and `coarse` the same in larger cells, for the
-    palm.
+    point of everything else that fingers can meet: 0 where the plane is free, −inf where no ray came. `highest` is that
+    of everything, for the parts of fingers that are away from the contact, and `coarse` the same in larger cells, for
+    the palm.
     """
 
     surface: HeightMap
@@ -22,3 +24,20 @@ class HeightMaps:
     rest: HeightMap
     highest: HeightMap
     coarse: HeightMap
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Relief:
+    """What a slice above `level_m` stands on and among, and what the sensor saw of that.
+
+    Fingertips may end at `lowest_m`, or lower beside a part that is too low for that. What is no higher than `ground_m`
+    is no obstacle. Heights, in metres, are those over the support plane, or over the deepest point that was seen of a
+    standing object.
+    """
+
+    level_m: float
+    lowest_m: float
+    ground_m: float
+    maps: HeightMaps
+    view: View
+    settings: PlannerSettings

@@ -1,4 +1,4 @@
-"""An object amid others: on a support plane, or standing before the hand."""
+"""An object among others: on a support plane, or standing before the hand."""
 
 from __future__ import annotations
 
@@ -10,31 +10,18 @@ from flatgrasp_cli.funnel import Funnel
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates, Silhouette
 from flatgrasp_cli.profiles.gripper import Gripper
-from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.surroundings.descent import descended, descent_cost
-from flatgrasp_cli.surroundings.maps import HeightMaps
+from flatgrasp_cli.surroundings.maps import Relief
 from flatgrasp_cli.surroundings.sight import of_known_thickness, seen_sides
-from flatgrasp_cli.surroundings.view import View
 from flatgrasp_cli.surroundings.walls import upright
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class OnSupport:
-    """What a slice above `level_m` stands on and amid, and what the sensor saw of that.
-
-    Fingertips may end at `lowest_m`, lower beside a part that is too low for that; what is no higher than `ground_m` is
-    no obstacle. Heights are over the support plane, or over what was seen deepest of a standing object.
-    """
-
-    level_m: float
-    lowest_m: float
-    ground_m: float
-    maps: HeightMaps
-    view: View
-    settings: PlannerSettings
+class OnSupport(Relief):
+    """What the method asks of an object that stands on something and among others."""
 
     def sides(self, fingers: FingerCandidates, funnel: Funnel, /) -> FingerCandidates:
-        """The candidates before upright sides, but for those in holes that were not seen through."""
+        """The candidates before upright sides, except those in holes that the sensor did not see through."""
         if self.level_m > self.lowest_m:
             steep = upright(fingers, self.maps.rest, self.level_m, self.settings.depth.wall_drop)
             fingers = fingers.select(steep)
@@ -54,7 +41,7 @@ class OnSupport:
 
     def approached(
         self,
-        _outline: Silhouette,
+        _silhouette: Silhouette,
         fingers: FingerCandidates,
         grasps: GraspCandidates,
         gripper: Gripper,

@@ -1,7 +1,7 @@
 """What the method runs on: an object's points, the plane that they are projected to, and what stands around them.
 
-The paper projects the whole of an object that lies alone. Over a support plane the fingers reach only so far down, so
-the method runs on what stands out above each of several levels, too.
+The paper projects the whole of an object that lies alone. Over a support plane the fingers reach down only so far, so
+the method also runs on what stands out above each of several levels.
 """
 
 from __future__ import annotations
@@ -16,7 +16,6 @@ from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.geometry.principal_axes import main_axes, principal_axes
 from flatgrasp_cli.geometry.range_image import RangeImage
-from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.geometry.spacing import spacing
 from flatgrasp_cli.model import ObjectCloud, OrientedBox, SupportPlane
 from flatgrasp_cli.profiles.settings import PlannerSettings
@@ -29,22 +28,29 @@ from flatgrasp_cli.surroundings.slices import Slice, lowest_tip, slices, top_of
 from flatgrasp_cli.surroundings.view import View
 
 PALM_CELL_M = 0.005
-"""Cells of the palm's height map: it is ten times as wide as a finger is."""
+"""Least side of the cells of the palm's height map, metres: a twentieth of a palm 10 cm wide."""
 PIXEL_CELLS = 1.5
-"""Pixels of the range image, in cells: hardly one is empty where there is something."""
+"""Side of the range image's pixels, in cells of the height maps: then hardly a pixel is empty where there is a surface,
+and space half a finger's width beside an edge is still told from the space behind it."""
 FINGERS_M = 0.12
-"""How far beyond an object fingers may come down beside it."""
+"""How far around an object the height maps reach, metres: no finger of a hand that opens by 14 cm comes down farther
+out."""
 FLOOR_M = 0.3
-"""The support plane farther than this from a standing object's middle cannot meet the hand."""
+"""The support plane farther than this from a standing object's middle cannot meet the hand, metres: hands are some 10
+to 20 cm wide."""
 NEIGHBOURS_WITHIN = 2.0
-"""Six neighbours of a point at the edge of a square grid lie within so many steps; on a rod they lie far along it."""
+"""Steps of a square grid within which a point at its edge has six neighbours; on a rod they lie farther along it."""
 MIN_CELL_M = 0.002
-"""Cells of height maps: the points' spacing, but no smaller than what matters to a finger."""
+"""Least side of height maps' cells, metres, which is otherwise the points' spacing: a silhouette is known no
+better."""
 HANGING_M, MOST_HANGING_M = 0.02, 0.04
-"""Something that begins higher than the first and is nowhere larger than the second may hang in the air."""
-BELOW, FREE_SHARE, BELOW_SAMPLES = (0.25, 0.5), 0.5, 200
-"""Heights, as shares of the object's own, at which free space below it is looked for, and how much of it tells that it
-hangs; the number of points that it is looked for at."""
+"""An object whose lowest point is higher than the first and that is nowhere longer than the second may hang in the air,
+metres. A lower one may stand on something that was not seen. Tuned on ghosts beside the edges of a stereo camera's
+views, which are small."""
+BELOW, FREE_SHARE = (0.25, 0.5), 0.5
+"""Where free space is looked for under an object that may hang, as shares of its height over the plane; and the least
+share of those places that must be free. Closer to the object its own noise hides them, closer to the plane the plane's.
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,14 +85,14 @@ def box_on(support: SupportPlane, points: FloatArray, method: Literal["pca", "mi
 
 
 def places(cloud: ObjectCloud, box: OrientedBox, settings: PlannerSettings) -> list[Place]:
-    """The whole of an object in the main plane of its `box`, and, over a support plane, the slices that stand out."""
+    """The whole of an object in the main plane of its `box` and, over a support plane, the slices that stand out."""
     if cloud.support is None:
         return [Place(box, box.frame, cloud.points, Alone(settings))]
     return _slices(cloud, box, cloud.support, settings)
 
 
 def _slices(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, settings: PlannerSettings) -> list[Place]:
-    """The whole first, in a frame whose origin is the box's centre brought down to the support plane."""
+    """The whole first, in a frame whose origin is the foot of the box's centre on the support plane."""
     frame = replace(box.frame, origin=box.frame.origin - support.heights(box.frame.origin) * support.normal)
     local, obstacles = frame.to_local(cloud.points), frame.to_local(cloud.obstacles)
     spacing_m = spacing(local[:, :2])
@@ -114,7 +120,7 @@ def _slices(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, setting
 
 
 def _above(whole: Place, around: OnSupport, local: FloatArray, piece: Slice) -> Place:
-    """A slice of an object whose points are `local` (n, 3) in the plane: all the rest of it may be in the way."""
+    """A slice of an object whose points are `local` (n, 3) in the plane's frame: the rest of it may be in the way."""
     apart = np.ones(len(local), dtype=np.bool_)
     apart[piece.rows] = False
     surface, rest = around.maps.highest.averaged(local[piece.rows]), around.maps.rest.raised(local[apart])
@@ -130,8 +136,8 @@ def _above(whole: Place, around: OnSupport, local: FloatArray, piece: Slice) -> 
 def from_the_side(cloud: ObjectCloud, box: OrientedBox, settings: PlannerSettings) -> Place:
     """The whole of a standing object in the main plane of its own `box`, to be grasped from the sensor's side.
 
-    Heights are over the deepest that was seen of it, where it is widest; the fingertips end a little behind that, and
-    the support plane is an obstacle like all others.
+    Heights are over the deepest point that was seen of it, where it is widest. The fingertips end a little behind that,
+    and the support plane is an obstacle like any other.
     """
     frame = replace(box.frame, origin=box.frame.origin - 0.5 * box.size[2] * box.frame.axes[2])
     floor = cloud.floor.points if cloud.floor is not None else np.empty((0, 3))
@@ -158,10 +164,10 @@ def from_the_side(cloud: ObjectCloud, box: OrientedBox, settings: PlannerSetting
 
 
 def hanging_m(whole: Place) -> float:
-    """How high in the air a small object hangs, with nothing but free space seen below it; 0 if it does not.
+    """How high in the air a small object hangs, metres, with nothing but free space seen below it; 0 if it does not.
 
-    Stereo cameras see such things beside real ones. Larger ones may be held by what was not seen: the rim of a bowl
-    hangs over, and a bottle may be clear below its label.
+    Stereo cameras see such ghosts beside real things. What is larger may be held by something that was not seen: the
+    rim of a bowl overhangs, and a bottle may be clear below its label.
     """
     if not isinstance(whole.surroundings, OnSupport) or whole.surroundings.view.image is None:
         return 0.0
@@ -169,13 +175,13 @@ def hanging_m(whole: Place) -> float:
     low = float(local[:, 2].min())
     if low < HANGING_M or float(np.ptp(local, axis=0).max()) > MOST_HANGING_M:
         return 0.0
-    x, y, _ = np.tile(local[spread_indices(len(local), BELOW_SAMPLES)], (len(BELOW), 1)).T
-    heights = np.repeat(np.multiply(BELOW, low), len(x) // len(BELOW))
-    hidden = whole.surroundings.view.hides(np.stack([x, y, heights]), BEHIND_M)
+    x, y = np.tile(local[:, :2].T, len(BELOW))
+    hidden = whole.surroundings.view.hides(np.stack([x, y, np.repeat(np.multiply(BELOW, low), len(local))]), BEHIND_M)
     return low if 1 - hidden.mean() >= FREE_SHARE else 0.0
 
 
 def _view(cloud: ObjectCloud, frame: Frame, cell_m: float) -> View:
+    """What the sensor saw of the space around an object, for points in `frame`."""
     if cloud.viewpoint is None:
         return View(None, frame, cloud.floor)
     points = frame.to_local(np.concatenate([cloud.points, cloud.obstacles]))

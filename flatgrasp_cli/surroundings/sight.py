@@ -1,7 +1,7 @@
 """Beyond the paper: the side of an object that the sensor did not see.
 
-Behind an object, in its shadow, no free space was seen. Where its surface turns away gently, as a can's does, it goes
-on in there; where it ends at an edge, it does not. The outline alone cannot tell, heights can.
+Behind an object, in its shadow, no free space was seen. If its surface turns away gently, as that of a can does, the
+object goes on in there; if it ends at an edge, it does not. The silhouette alone cannot tell, but heights can.
 """
 
 from __future__ import annotations
@@ -21,32 +21,45 @@ from flatgrasp_cli.surroundings.view import View
 from flatgrasp_cli.surroundings.walls import pad_places
 
 OUTWARD_M = (0.003, 0.005, 0.007)
+"""Distances from a chord outward, metres, at which the finger's space is looked into: beyond the silhouette's noise,
+and within the thickness of a finger."""
 HEIGHTS_M, BEHIND_M = (0.003, 0.010), 0.006
-"""Heights over the fingertips' level at which that is looked at, and how far behind a surface space is hidden."""
+"""Heights over the fingertips' level, metres, at which it is looked into: within the least grip and above it. And how
+far behind a surface space must lie to be hidden by it: two pixels of the range image."""
 SHADOW_SHARE, HOLE_SHARE = 0.5, 0.2
-"""Shares of unseen space beyond which a side lies in the shadow, and a hole was not seen through."""
+"""Shares of that space beyond which a side counts as lying in the shadow, and a hole as not seen through. Less is
+allowed in a hole, where a finger has no room to spare."""
 PROFILE_M = np.arange(0.001, 0.0405, 0.002)
+"""Distances from a chord inward, metres, at which the surface's profile is read: one for each cell of 2 mm, as far as
+half of an object 8 cm wide."""
 LIMB_M = 0.012
-"""The slope at the limb is measured over this length."""
+"""Length of the profile, metres, over which the slope at the limb is measured: six cells, for one of them is noise."""
 LOST_DEG = 15.0
-"""A surface is last seen where it is this much flatter than the ray that grazes it: sensors see nothing at less."""
+"""A surface is last seen where it makes this angle with the ray, degrees: depth sensors return nothing at less."""
 ROUND_SHARE = 0.2
-"""A surface whose mean slope near the limb is less than this share of that at the limb ends there at an edge."""
+"""A surface ends at an edge if its mean slope near the limb is less than this share of that at the limb. On a can it is
+more than half; on a flat top it is zero but for the outermost cell, which the edge makes lower."""
 MOST_M = 0.03
+"""Largest hidden extent that is believed, metres: that of a can 20 cm across, wider than hands open."""
 TOP_M = np.array([0.001, 0.003, 0.005])
+"""Distances from a chord inward, metres, at which a face is told from a top: two or three cells."""
 THIN_M = 0.03
+"""Contacts closer than this, metres, may be the two sides of one face: the silhouette of a face 10 cm high that leans
+by 15° is so thin."""
 FACE_M = 0.008
-"""Cells in which points lie this far below the highest one, on average, show a face and not a top."""
+"""Cells whose mean lies this far below their highest point, metres, on average, show a face and not a top: half of the
+height of an upright face of 16 mm."""
 ACROSS = np.linspace(-0.4, 0.4, 9)
+"""Places along a pad, in widths of it: the ends are left out, for the silhouette bends away there."""
 
 
 def seen_sides(
     fingers: FingerCandidates, maps: HeightMaps, view: View, viewpoint: FloatArray, level_m: float
 ) -> FingerCandidates:
-    """The candidates but those in holes that were not seen through, with what was seen of the sides they stand at.
+    """The candidates except those in holes that were not seen through, with what was seen of the sides they stand at.
 
-    In the shadow of the sensor at `viewpoint` (3,) the end of the object is that of its top, and it may go on behind.
-    Where only a face was seen, and no top, its thickness is not known.
+    In the object's shadow, as cast from the sensor at `viewpoint` (3,), the silhouette is only where its top ends, and
+    the object may go on behind that. Where only a face was seen and no top, its thickness is not known.
     """
     share = hidden_share(fingers, view, level_m)
     open_sides = (share <= HOLE_SHARE) | (fingers.loop == 0)
@@ -59,7 +72,7 @@ def seen_sides(
 
 
 def of_known_thickness(fingers: FingerCandidates, grasps: GraspCandidates, funnel: Funnel) -> GraspCandidates:
-    """The pairs that do not take the two sides of one seen face for those of a thin object."""
+    """The pairs except those that take the two sides of one seen face for the sides of a thin object."""
     face = ~(fingers.seen[grasps.i] & fingers.seen[grasps.j])
     missing = np.where(face, np.maximum(THIN_M - grasps.distance, 0.0), 0.0)
     kept = funnel.at_most(
@@ -69,7 +82,7 @@ def of_known_thickness(fingers: FingerCandidates, grasps: GraspCandidates, funne
 
 
 def _front_only(fingers: FingerCandidates, maps: HeightMaps) -> BoolArray:
-    """Which candidates (m,) have an upright face before them and not the top of the object."""
+    """Which candidates (m,) have an upright face before them instead of the object's top."""
     x, y = pad_places(fingers, TOP_M, ACROSS)
     mean = maps.average.over(x, y)
     known = np.isfinite(mean)
@@ -78,7 +91,7 @@ def _front_only(fingers: FingerCandidates, maps: HeightMaps) -> BoolArray:
 
 
 def hidden_share(fingers: FingerCandidates, view: View, level_m: float) -> FloatArray:
-    """Share (m,) of the space before each candidate, where the finger comes down, that the sensor did not see."""
+    """Share (m,) of the space before each candidate, where a finger comes down, that the sensor did not see."""
     x, y = pad_places(fingers, -np.array(OUTWARD_M), ACROSS[::2])
     levels = level_m + np.array(HEIGHTS_M)
     points = np.empty((3, len(levels), *x.shape))
@@ -90,12 +103,12 @@ def hidden_share(fingers: FingerCandidates, view: View, level_m: float) -> Float
 def hidden_extent(
     fingers: FingerCandidates, surface: HeightMap, shadowed: BoolArray, viewpoint: FloatArray
 ) -> FloatArray:
-    """How far (m,) the object probably goes on beyond the outline, metres; 0 where that is seen, or ends at an edge.
+    """How far (m,) the object probably goes on beyond the silhouette, metres; 0 where it was seen, or ends at an edge.
 
-    The flank is taken for a quarter of an ellipse whose top is the profile's highest point, height H, and which is
-    upright at H/2: an object that lies on its side. With b = H/2, height h and slope s at the limb, c = (h − b)/b and
-    u = √(1 − c²), its half axis is a = b·u/(c·s), and it goes on for a·(1 − u). The slope follows from the direction of
-    the sensor at `viewpoint` (3,), in the frame of the height map: measured, it would be too noisy.
+    The flank is taken for a quarter of an ellipse, as of an object that lies on its side: its top is the profile's
+    highest point, at a height H, and it is upright at H/2. With b = H/2, height h and slope s at the limb,
+    c = (h − b)/b and u = √(1 − c²), its half axis is a = b·u/(c·s), and it goes on for a·(1 − u). The slope follows
+    from the direction of the sensor at `viewpoint` (3,), in the height map's frame: a measured one is too noisy.
     """
     extent = np.zeros(len(fingers))
     rows = np.flatnonzero(shadowed)
@@ -121,7 +134,7 @@ def hidden_extent(
 
 
 def _limb_slope(fingers: FingerCandidates, limb: FloatArray, viewpoint: FloatArray) -> FloatArray:
-    """Slope (m,) of a surface that is last seen before each chord at heights `limb` (m,); 0 on the near side."""
+    """Slope (m,) of a surface last seen at each chord, at heights `limb` (m,); 0 on the sensor's side."""
     ray = fingers.contact - viewpoint[:2]
     away = -dot(ray, fingers.direction)
     fall = np.arctan2(viewpoint[2] - limb, np.maximum(away, 1e-9))

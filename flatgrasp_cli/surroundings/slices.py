@@ -1,7 +1,7 @@
 """Beyond the paper: what stands above the fingertips, level by level.
 
-The paper projects the whole object. Over a table the fingers reach only so far down, and in a heap only what stands out
-can be gripped: so the method runs on the outline of what lies above each of several levels, and the best grasp wins.
+The paper projects the whole object. Over a table the fingers reach down only so far, and in a heap only what stands out
+can be gripped. So the method runs on the silhouette of what lies above each of several levels, and the best grasp wins.
 """
 
 from __future__ import annotations
@@ -16,11 +16,15 @@ from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.profiles.settings import DepthSettings
 
 SAME_FOOTPRINT = 0.93
-"""A part whose footprint has this share of what it stands on needs no outline of its own."""
+"""A part whose footprint is larger than this share of what it stands on needs no silhouette of its own: a rim of one
+cell around a block of 10 cm is 8 % of it."""
 MOST_ALIKE = 2
-"""Slices of about one footprint: close above what it lies on, a part's flanks do not look upright yet."""
+"""Largest number of slices with about the same footprint. It is more than one because close above what a part lies on,
+its flanks do not look upright yet."""
 MIN_POINTS = 30
+"""Least number of a part's points: with fewer, a silhouette is mostly noise."""
 TOP_QUANTILE = 0.99
+"""The share of an object's points that lie below its top: the others may be flying pixels."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,26 +36,27 @@ class Slice:
 
 
 def top_of(heights: FloatArray) -> float:
-    """How high an object reaches, single high points aside."""
+    """How high an object reaches, metres, apart from single high points."""
     place = round(TOP_QUANTILE * (len(heights) - 1))
     return float(np.partition(heights, place)[place])
 
 
 def lowest_tip(tops: FloatArray | float, settings: DepthSettings) -> FloatArray:
-    """How low fingertips may go beside what is `tops` (…) high: the clearance, less where that is hardly higher."""
+    """How low fingertips may go beside what is `tops` (…) high: the clearance, or less beside what is hardly higher."""
     share = np.maximum(settings.min_clearance_m, np.multiply(tops, settings.low_object_share))
     return np.asarray(np.minimum(settings.table_clearance_m, share))
 
 
 def slices(local: FloatArray, cell_m: float, settings: DepthSettings) -> list[Slice]:
-    """The whole object, and the parts of it that stand out; `local` (n, 3) has heights over the plane as z."""
+    """The whole object, and the parts of it that stand out; z of `local` (n, 3) is the height over the plane."""
     top = top_of(local[:, 2])
     lowest = float(lowest_tip(top, settings))
     found = [Slice(lowest, np.arange(len(local)))]
     chart = HeightMap.of(local, cell_m)
     cell_of = chart.raster.cells(local[:, 0], local[:, 1])
-    below = np.full(chart.heights.shape, np.count_nonzero(np.isfinite(chart.heights)))  # footprint that cells belong to
-    taken = np.full(chart.heights.shape, MOST_ALIKE)  # slices with about that footprint
+    # for each cell: how many cells the last slice that it was in has, and how many slices had about so many
+    below = np.full(chart.heights.shape, np.count_nonzero(np.isfinite(chart.heights)))
+    taken = np.full(chart.heights.shape, MOST_ALIKE)
     for level in np.arange(lowest + settings.slice_step_m, top - settings.min_grip_m, settings.slice_step_m):
         _, labels, boxes, _ = cv2.connectedComponentsWithStats((chart.heights > level).view(np.uint8), connectivity=8)
         piece = np.where(local[:, 2] > level, labels.ravel()[cell_of], 0)

@@ -1,4 +1,4 @@
-"""Beyond the paper: what the sensor saw around an object, and what was hidden from it."""
+"""Beyond the paper: what the sensor saw around an object, and what was hidden."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ from flatgrasp_cli.model import Floor
 class View:
     """How far the sensor's rays got: `image` holds those that met something above the support plane, in `frame`.
 
-    All others met the plane where it was seen, on `floor`, or nothing. Without an image all was seen, from all sides.
+    Any other ray met the plane, where that was seen (`floor`), or nothing. Without an image everything was seen, from
+    all sides.
     """
 
     image: RangeImage | None
@@ -24,7 +25,7 @@ class View:
     floor: Floor | None
 
     def hides(self, columns: FloatArray, margin_m: float) -> BoolArray:
-        """Which points, columns (3, n), lie more than `margin_m` behind what was seen on their ray, or nothing was."""
+        """Which points, columns (3, n), lie more than `margin_m` behind what their ray met, or on a ray with no end."""
         if self.image is None:
             return np.zeros(columns.shape[1], dtype=np.bool_)
         nearest, ranges = self.image.nearest(columns)
@@ -34,7 +35,7 @@ class View:
         return hidden
 
     def _met_floor(self, columns: FloatArray, viewpoint: FloatArray) -> BoolArray:
-        """Whether the rays from `viewpoint` (3,) through points, columns (3, n), go on to where the plane was seen."""
+        """Whether the rays from `viewpoint` (3,) through points, columns (3, n), end where the plane was seen."""
         if self.floor is None or columns.shape[1] == 0:
             return np.zeros(columns.shape[1], dtype=np.bool_)
         turn = self.floor.frame.axes @ self.frame.axes.T

@@ -1,4 +1,4 @@
-"""What pads find to rest on beside the outline: upright walls, or flanks that they slip off."""
+"""What pads find to rest on beside the silhouette: upright walls, or flanks that they slip off."""
 
 from __future__ import annotations
 
@@ -12,22 +12,25 @@ from flatgrasp_cli.geometry.lines import fitted_lines
 from flatgrasp_cli.model import FingerCandidates
 
 INWARD_M = np.array([0.001, 0.002, 0.003, 0.004, 0.005, 0.007, 0.009])
-"""Distances inside the outline at which the wall or the flank that a pad rests on is looked for."""
+"""Distances from a chord inward, metres, at which heights tell whether the pad rests on a wall or on a flank: close
+together at first, and as far in as pads are about to hold in height."""
 SEEN_PLACES, WALL_PLACES = 3, 5
-"""How many of those, from the boundary on, show what was seen there, and in how many the wall's top is looked for."""
+"""How many of those distances, counted from the chord, are the boundary itself, and how many can show the wall's top: 3
+mm, the silhouette's uncertainty, and 5 mm, for the edge of a wall is rounded by the sensor."""
 LEAST_SLOPE = 0.5
-"""A surface that rises less steeply is the object's top."""
+"""A surface that rises less steeply than this, height over breadth (27°), is the object's top."""
 FLANK_OUTWARD_M = np.array([0.002, 0.003, 0.004])
-"""Distances outside the outline at which a flank that goes on below the slice's level shows."""
+"""Distances from a chord outward, metres, at which a flank would go on below the slice's level: beyond the silhouette's
+noise, but still within a slice's height of a flank of 70°."""
 ALONG_PAD = np.array([-0.4, -0.2, 0.0, 0.2, 0.4])
-"""Places along a pad, in widths of it."""
+"""Places along a pad, in widths of it: the ends are left out, for the silhouette bends away there."""
 
 
 class Walls(NamedTuple):
-    """What pads rest on before m finger candidates: heights (m,) over the plane.
+    """What pads rest on at m finger candidates: heights (m,) over the plane, metres.
 
-    `top` is typical of the places along the pad, `boundary` a mean of what was seen there, and `flank` how much of the
-    wall is but a flank.
+    `top` is the median over the places along the pad, `boundary` the mean of what was seen at the boundary, and `flank`
+    how much of the wall's height is only a flank.
     """
 
     top: FloatArray
@@ -36,7 +39,7 @@ class Walls(NamedTuple):
 
 
 def pad_places(fingers: FingerCandidates, inward: FloatArray, along: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """X and y (inward, along, m) of places so far `inward` of each candidate's chord and at such shares along it."""
+    """X and y (inward, along, m) of places at distances `inward` from each candidate's chord and shares `along` it."""
     way = fingers.end - fingers.start
     x, y = (
         fingers.contact[:, k] + along[:, None] * way[:, k] + (inward[:, None] * fingers.direction[:, k])[:, None]
@@ -48,7 +51,8 @@ def pad_places(fingers: FingerCandidates, inward: FloatArray, along: FloatArray)
 def upright(fingers: FingerCandidates, rest: HeightMap, level_m: float, wall_drop: float) -> BoolArray:
     """Which candidates (m,) stand before a wall, and not on a flank that goes on outward below `level_m`.
 
-    `rest` is what the slice stands on; a wall falls by `wall_drop` times the way outward.
+    `rest` holds the heights of what the slice stands on. A wall falls by at least `wall_drop` times the way outward, at
+    half of the places or more.
     """
     below = rest.over(*pad_places(fingers, -FLANK_OUTWARD_M, ALONG_PAD))
     drop = level_m - np.maximum(below, 0.0)
@@ -57,10 +61,10 @@ def upright(fingers: FingerCandidates, rest: HeightMap, level_m: float, wall_dro
 
 
 def walls(fingers: FingerCandidates, surface: HeightMap, highest: HeightMap, level_m: float, friction: float) -> Walls:
-    """The walls before m candidates, by the `surface`'s mean heights; the slice's level where nothing was seen.
+    """The walls before m candidates, from the mean heights of the `surface`; the slice's level where nothing was seen.
 
-    What rises inward less steeply than 1/μ is a flank: it is a wall only as far as it is high at the boundary. The
-    `highest` points tell it, for those of an upright face are its mean.
+    What rises inward less steeply than 1/μ is a flank, and only its height at the boundary is a wall. The slope is that
+    of the `highest` points, for the mean height of an upright face is half of its own.
     """
     places = pad_places(fingers, INWARD_M, ALONG_PAD)
     heights = surface.over(*places)  # (distances, places, m)

@@ -259,6 +259,7 @@ DEGENERATE: dict[str, tuple[FloatArray, str]] = {
     "duplicates": (np.full((500, 3), 0.25), "1 distinct point"),
     "nan": (np.full((500, 3), np.nan), "no point of the cloud was measured"),
     "inf": (np.full((500, 3), np.inf), "no point of the cloud was measured"),
+    "scaled-twice": (1e-3 * CROWD @ [[0.1, 0.0, 0.0]] + [0.0, 0.0, 1e-3], "--scale"),
 }
 
 
@@ -337,6 +338,7 @@ USAGE = {
     "scale-zero": (("plan", "PLATE", "--scale", "0"), "--scale"),
     "scale-nan": (("plan", "PLATE", "--scale", "nan"), "--scale"),
     "scale-inf": (("plan", "PLATE", "--scale", "inf"), "--scale"),
+    "sensor-out-of-this-world": (("plan", "PLATE", "--sensor", "1e300,0,0"), "--sensor"),
     "top-zero": (("plan", "PLATE", "--top", "0"), "--top"),
     "plots-unknown": (("plan", "PLATE", "--plots", "all"), "stages"),
     "out-is-a-file": (("plan", "PLATE", "--out", "PLATE"), "--out"),

@@ -19,7 +19,7 @@ COMMANDS = {
     "robot": ("plan", SCENE, "--plots", "none", "--robot", "ur5e", "--camera-pose", POSE, "--gripper", "pr2"),
     "cage": ("cage", SAMPLES / "pan.pcd"),
     "compare": ("compare", SAMPLES / "pan.pcd", SAMPLES / "juice_box.pcd"),
-    "inspect": ("inspect", SAMPLES / "pan_ros2", SAMPLES / "pan.pcd"),
+    "inspect": ("inspect", SAMPLES / "pan_ros1.bag", SAMPLES / "pan_ros2", SAMPLES / "pan.pcd"),
     "profiles": ("profiles", "list"),
 }
 NUMBER = re.compile(r"-?\d+\.\d+")
@@ -47,6 +47,16 @@ def test_no_number_is_cut_however_narrow_it_is(
     monkeypatch.setenv("COLUMNS", "30")
     narrow = run(*arguments)
     assert NUMBER.findall(narrow.out) == NUMBER.findall(wide.out)
+
+
+def test_a_sources_name_is_broken_only_where_it_takes_too_much_room(run: Run, tmp_path: Path) -> None:
+    long = tmp_path / f"{'a_long_name_' * 4}.pcd"
+    long.write_bytes((SAMPLES / "juice_box.pcd").read_bytes())
+    assert any(
+        line.startswith("electric_drill.pcd ")
+        for line in run("compare", SAMPLES / "electric_drill.pcd").out.splitlines()
+    )
+    assert max(map(len, run("compare", long).out.splitlines())) <= 80
 
 
 def test_a_grasp_is_one_line_of_what_the_document_says(run: Run) -> None:

@@ -85,6 +85,20 @@ def test_the_ur_script_refuses_poses_in_another_frame(
         runpy.run_path(str(EXAMPLES / "ur_script.py"))
 
 
+@pytest.mark.parametrize("name", ["ur_script.py", "ros2_publisher.py", "moveit_goal.py"])
+def test_without_a_grasp_an_example_says_so(
+    name: str, document: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ros: Recorder
+) -> None:
+    path = tmp_path / "none.json"
+    path.write_text(
+        json.dumps(document | {"status": "no_grasp", "reason": "too wide", "objects": []}), encoding="utf-8"
+    )
+    monkeypatch.setattr(sys, "argv", [name, str(path)])
+    with pytest.raises(SystemExit, match="no grasp: too wide"):
+        runpy.run_path(str(EXAMPLES / name))
+    assert ros.calls == {}
+
+
 class Message(SimpleNamespace):
     """A ROS message made of its fields; an array of poses begins empty."""
 

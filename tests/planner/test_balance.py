@@ -9,30 +9,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from flatgrasp_cli import load_settings
+from flatgrasp_cli.funnel import Funnel, NothingLeft
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import FingerCandidates
 from flatgrasp_cli.planner import balance
-from flatgrasp_cli.planner.fingers import EITHER_JAW
+from flatgrasp_cli.profiles import Gripper
+from tests.by_hand import candidates
 
 seeds = st.integers(0, 2**32 - 1)
-
-
-def candidates(contacts: FloatArray, directions: FloatArray, jaws: list[int] | None = None) -> FingerCandidates:
-    n = len(contacts)
-    return FingerCandidates(
-        loop=np.zeros(n, dtype=np.intp),
-        start=contacts,
-        end=contacts,
-        contact=contacts,
-        direction=directions,
-        width=np.full(n, 0.02),
-        jaw=np.array(jaws if jaws is not None else [EITHER_JAW] * n, dtype=np.intp),
-        arcs=np.repeat(contacts[:, None], 3, axis=1),
-        variance=np.zeros(n),
-        arc_ratio=np.ones(n),
-        hidden=np.zeros(n),
-        seen=np.ones(n, dtype=np.bool_),
-    )
 
 
 def random_candidates(seed: int, n: int = 12) -> FingerCandidates:
@@ -104,3 +89,17 @@ def test_each_two_equal_fingers_are_one_pair_but_a_thumb_meets_every_finger_pair
     assert balance.distinct(equal, *balance.opposing_candidates(equal)).sum() == 6
     thumbs = candidates(points, directions, [0, 0, 1, 1])
     assert balance.distinct(thumbs, *balance.opposing_candidates(thumbs)).sum() == 4
+
+
+@pytest.mark.parametrize(("turned_deg", "kept"), [(24, True), (30, False)])
+def test_gamma_uses_half_of_the_friction_cone(turned_deg: float, kept: bool, pr2: Gripper) -> None:
+    """With μ = 0.5 the cone is 26.6° to either side."""
+    limits = load_settings().resolve(pr2).balance
+    turn = np.radians(90 + turned_deg)
+    fingers = candidates(np.array([[0.0, -0.02], [0.0, 0.02]]), np.array([[0.0, 1.0], [-np.cos(turn), -np.sin(turn)]]))
+    gamma, funnel = balance.force_balance(fingers), Funnel()
+    if kept:
+        assert len(balance.force_balanced(fingers, gamma, limits, funnel)) == 1
+    else:
+        with pytest.raises(NothingLeft, match=r"allowed 26\.6"):
+            balance.force_balanced(fingers, gamma, limits, funnel)

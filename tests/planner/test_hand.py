@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from flatgrasp_cli.funnel import Funnel, NothingLeft
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.polygon import left_normal
@@ -17,8 +20,10 @@ from flatgrasp_cli.planner.contacts import pad_contacts
 from flatgrasp_cli.planner.fingers import finger_candidates, inward_directions, step_points
 from flatgrasp_cli.planner.grasping_range import closing_axes, extents
 from flatgrasp_cli.planner.operability import eq2_fit, swept_fit
+from flatgrasp_cli.planner.variance import flat
 from flatgrasp_cli.profiles import Gripper, load_gripper, load_settings
 from flatgrasp_cli.surroundings.alone import openings
+from tests.by_hand import across
 
 TOLERANCE_M = 0.002
 GRIPPERS = ("pr2", "lacquey")
@@ -156,3 +161,46 @@ def test_a_wide_pair_of_fingers_needs_its_own_room(lacquey: Gripper) -> None:
     assert room[1, beside_wall].max() == 0
     assert room[0, beside_wall].max() == np.inf
     assert room[1, clear].max() == np.inf
+
+
+def bars(*spans_mm: tuple[float, float]) -> Silhouette:
+    """Bars 200 mm long along x, each from one y to another."""
+    loops = [
+        1e-3 * np.array([[-100, low], [100, low], [100, high], [-100, high]], dtype=np.float64)
+        for low, high in spans_mm
+    ]
+    return Silhouette(Frame(np.zeros(3), np.eye(3)), tuple(loops), loops[0], np.zeros(4), 0.003, 1.0)
+
+
+def fit(outline: Silhouette, reach_mm: float, pr2: Gripper) -> tuple[float, float]:
+    """Where the +y pad rests and the room behind it, millimetres, for candidates that reach ±`reach_mm` along y."""
+    fingers, pairs = across([2e-3 * reach_mm])
+    pads, room = swept_fit(outline, fingers, pairs, pr2, load_settings().hand.contact_tolerance_m)
+    return float(pads[1, 0]) * 1e3, float(room[1, 0]) * 1e3
+
+
+@pytest.mark.parametrize(("beside_mm", "pad_mm", "room_mm"), [((20.8, 21.6), 21.6, np.inf), ((23, 24), 20, 3)])
+def test_what_stands_out_by_2_mm_is_what_the_pad_rests_on(
+    beside_mm: tuple[float, float], pad_mm: float, room_mm: float, pr2: Gripper
+) -> None:
+    """What stands farther out is in the finger's way."""
+    assert fit(bars((-20, 20), beside_mm), 20, pr2) == pytest.approx((pad_mm, room_mm))
+
+
+@pytest.mark.parametrize(("sunk_mm", "room_mm"), [(10.5, np.inf), (12, 0)])
+def test_a_pad_that_rests_half_its_width_below_its_candidate_rests_on_something_else(
+    sunk_mm: float, room_mm: float, pr2: Gripper
+) -> None:
+    assert fit(bars((-20 - sunk_mm, 20)), 20 + sunk_mm, pr2)[1] == room_mm
+
+
+@pytest.mark.parametrize(("strays", "kept"), [(0.10, True), (0.15, False)])
+def test_a_boundary_that_strays_by_an_eighth_of_the_pads_width_is_not_flat(strays: float, kept: bool) -> None:
+    fingers, pairs = across([0.04])
+    fingers = replace(fingers, variance=strays * fingers.width)
+    funnel, hand = Funnel(), load_settings().hand
+    if kept:
+        assert len(flat(fingers, pairs, hand, funnel)) == 1
+    else:
+        with pytest.raises(NothingLeft, match=r"allowed 0\.120"):
+            flat(fingers, pairs, hand, funnel)

@@ -69,15 +69,19 @@ def test_a_disc_is_grasped_through_its_centre(pr2: Gripper) -> None:
     assert grasp.required_friction < 0.05
 
 
-@pytest.mark.parametrize("name", ["pr2", "lacquey"])
-def test_the_contacts_on_a_disc_are_as_far_apart_as_it_is_wide(name: str, request: pytest.FixtureRequest) -> None:
-    """Not as its finger candidates' chords are, which lie 2.6 mm inside a disc of 60 mm."""
+@pytest.mark.parametrize(("name", "radius"), [("pr2", 30), ("lacquey", 45)])
+def test_the_contacts_on_a_disc_are_as_far_apart_as_it_is_wide(
+    name: str, radius: int, request: pytest.FixtureRequest
+) -> None:
+    """Not as its finger candidates' chords are, whose middles lie 2.2 mm inside a disc of 60 mm."""
     gripper = request.getfixturevalue(name)
-    for grasp in plan(cloud_of(sampled(disc(30))), gripper).objects[0].grasps:
+    grasps = plan(cloud_of(sampled(disc(radius))), gripper).objects[0].grasps
+    assert len(grasps) > 0
+    for grasp in grasps:
         apart = grasp.contacts[1] - grasp.contacts[0]
         assert apart @ closing_axis(grasp) == pytest.approx(grasp.width_m, abs=1e-6)
         if gripper.symmetric:
-            assert np.linalg.norm(grasp.contacts[:, :2], axis=1) == pytest.approx(30 * MM, abs=0.5 * MM)
+            assert np.linalg.norm(grasp.contacts[:, :2], axis=1) == pytest.approx(radius * MM, abs=0.5 * MM)
 
 
 def test_an_l_is_never_grasped_across_its_notch(lacquey: Gripper) -> None:
@@ -162,6 +166,12 @@ def test_a_cloud_that_spans_no_plane_is_refused(points: FloatArray, reason: str,
     result = plan(cloud_of(points), pr2)
     assert result.best is None
     assert reason in (result.reason or "")
+
+
+@pytest.mark.parametrize("top", [0, -1])
+def test_to_keep_no_grasp_is_refused(top: int, pr2: Gripper) -> None:
+    with pytest.raises(ValueError, match="one or more"):
+        plan(cloud_of(sampled(rectangle(120, 40))), pr2, top=top)
 
 
 def test_two_far_off_points_do_not_spoil_the_outline(pr2: Gripper) -> None:

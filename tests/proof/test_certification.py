@@ -237,6 +237,11 @@ def test_points_without_an_outline(run: Run, tmp_path: Path) -> None:
     assert Path("results/report.html").is_file()
 
 
+def test_points_on_a_line_are_called_that(run: Run, tmp_path: Path) -> None:
+    line = write_pcd(tmp_path / "line.pcd", np.linspace(1, 2, 50)[:, None] * [0.1, 0.0, 0.0])
+    assert json.loads(run("cage", line, "--json").out)["reason"] == "all 50 points lie on a line"
+
+
 @pytest.mark.parametrize("options", [("caging.prefer=cage",), ("method=allen",)])
 def test_the_best_of_all_slices_wins(options: tuple[str, ...], pr2: Gripper, monkeypatch: pytest.MonkeyPatch) -> None:
     """Neither what cages forgive nor the point fingers' cost grows with height: no slice may be left out."""

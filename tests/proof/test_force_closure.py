@@ -20,7 +20,7 @@ from flatgrasp_cli.proof.force_closure import (
     point_quality,
     reference_of,
 )
-from tests.planner.test_balance import candidates
+from tests.by_hand import candidates
 
 seeds = st.integers(0, 2**32 - 1)
 OPPOSED = np.array([[[-1.0, 0.0], [1.0, 0.0]]])

@@ -328,7 +328,7 @@ class TestArm:
         assert result.best is None
         assert arm_figure(result) is None
         assert "best grasp that ur5 does not reach" in legend(figure)
-        assert "hand, where the arm does not get it" in legend(figure)
+        assert "hand, where the arm cannot bring it" in legend(figure)
         assert fingers(figure.axes[0]) == []
         assert "0: out of reach" in texts(figure.axes[0])
         grasp = result.objects[0].refused[0]

@@ -38,7 +38,7 @@ def test_too_wide_names_the_gripper_that_opens_so_far() -> None:
 
 def test_too_wide_for_all_names_the_widest() -> None:
     remedy = words(plan(cloud_of(sampled(rectangle(300, 300), pitch_mm=3)), load_gripper("pr2")))
-    assert "robotiq_2f_140 most, 128 mm" in remedy
+    assert "robotiq_2f_140, the widest shipped gripper, 128 mm" in remedy
     assert "--scene table" in remedy
 
 

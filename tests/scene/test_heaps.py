@@ -11,7 +11,7 @@ import pytest
 from flatgrasp_cli import load_gripper, load_settings, plan
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import Cloud, ImageGrid, ObjectPlan, Scene
-from flatgrasp_cli.planning import scenes
+from flatgrasp_cli.planning import plan_object, scenes
 from flatgrasp_cli.scene import segment
 from flatgrasp_cli.scene.parting.pieces import fitting_cell_m
 from flatgrasp_cli.sensor import located
@@ -119,7 +119,7 @@ class TestTouching:
                 assert (x < 8 * MM).all() or (x > -8 * MM).all()
 
     def test_pieces_that_none_can_grasp_alone_are_planned_as_one(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        real = scenes.plan_object
+        real = plan_object
 
         def only_wholes(item: object, *rest: object) -> ObjectPlan:
             found: ObjectPlan = real(item, *rest)  # type: ignore[arg-type]

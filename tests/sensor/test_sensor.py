@@ -320,6 +320,13 @@ class TestCloud:
         with pytest.raises(ValueError, match="points"):
             Cloud(points)
 
+    def test_masked_points_were_not_measured(self) -> None:
+        image = np.ma.masked_greater(np.arange(1.0, 37.0).reshape(3, 4, 3), 30.0)
+        cloud = Cloud(image)
+        assert (len(cloud.points), cloud.dropped) == (10, 2)
+        assert cloud.points.max() == 30.0
+        assert cloud.pixels is not None
+
     @pytest.mark.parametrize("viewpoint", [[0, 0], [0, 0, np.nan]])
     def test_a_viewpoint_that_is_none_is_refused(self, viewpoint: list[float]) -> None:
         with pytest.raises(ValueError, match="viewpoint"):
@@ -436,6 +443,7 @@ class TestHeldAgainstTheCloud:
         cloud = Cloud(points, sensor=Sensor("frame", SLANTED.frame.origin + np.array([0.0, 0.03, 0.05])))
         assert sensor_of(cloud).known_from == "frame"
 
-    def test_a_viewpoint_out_of_this_world_says_nothing(self) -> None:
-        cloud = replace(SLANTED.sees(TABLE, BLOCK), viewpoint=np.array([1e30, 0.0, 0.0]))
+    @pytest.mark.parametrize("far", [1e30, 1e300])
+    def test_a_viewpoint_out_of_this_world_says_nothing(self, far: float) -> None:
+        cloud = replace(SLANTED.sees(TABLE, BLOCK), viewpoint=np.array([far, 0.0, 0.0]))
         assert sensor_of(cloud).known_from == "visibility"

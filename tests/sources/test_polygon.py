@@ -54,6 +54,7 @@ def star(corners: int) -> list[tuple[float, float]]:
         (json.dumps(star(MAX_CORNERS + 1)), "at most 20000"),
         (json.dumps([star(1000)] * 21), "21000 corners"),
         (json.dumps([star(4)] * 101), "at most 100"),
+        ("[[0, 0], [1, 0]]", "must have at least 3 items, not 2"),
         (" " * 10_000_001, "too large"),
     ],
     ids=lambda each: each[:25],

@@ -33,7 +33,7 @@ class PlannerSettings(Profile):
     seed: Annotated[int, Field(ge=0, lt=2**32)]
     """The number from which everything random follows."""
     scene: SceneSettings
-    """Before the paper: the support plane and the objects on it."""
+    """Beyond the paper: the support plane and the objects on it."""
     main_plane: MainPlaneSettings
     """§III.A.1: the oriented bounding box."""
     silhouette: SilhouetteSettings

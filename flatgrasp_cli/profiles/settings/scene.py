@@ -1,4 +1,4 @@
-"""Before the paper: what the settings say of the scene."""
+"""Beyond the paper: what the settings say of the scene."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ Component = Annotated[float, Field(ge=-1e6, le=1e6)]
 
 
 class SceneSettings(Profile):
-    """Before the paper: the support plane and the objects on it."""
+    """Beyond the paper: the support plane and the objects on it."""
 
     mode: Literal["auto", "object", "table", "bin"]
-    """Whether the cloud shows one object alone, objects on a support plane or things in a bin; auto: as the cloud
-    says."""
+    """Whether the cloud shows one object alone, objects on a support plane or things in a bin; auto: judged by
+    the cloud."""
     crop: tuple[FarPlace, FarPlace, FarPlace, FarPlace, FarPlace, FarPlace] | None
     """Region of interest: x_min, x_max, y_min, y_max, z_min, z_max in metres; what lies outside does not exist."""
     select: Literal["all", "nearest", "largest"] | tuple[FarPlace, FarPlace]

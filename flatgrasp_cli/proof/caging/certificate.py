@@ -146,7 +146,7 @@ def _cage(proof: Proof, hands: Hands, k: int, forgiven: Tolerance | None, *, gua
         if not outward and found.bottom[k] == 0:
             return _uncaged("closing, the fingers slip off")
         side = "below" if outward else "above"
-        return _uncaged(f"escapes at {escape:.4f} m, not {side} the fingers' {found.opening[k]:.4f} m")
+        return _uncaged(f"escapes at {escape:.4f} m, not {side} the {found.opening[k]:.4f} m of the grasp itself")
     ends = {
         "opening": escape,
         "basin_opening": merge,

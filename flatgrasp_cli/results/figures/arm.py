@@ -68,7 +68,7 @@ def draw_arm(axes: Any, plan: Plan) -> None:
         links = links_of(robot, angles)
         axes.plot(*(MM * links.T), marker="o", mew=0, label=name, **style)
         drawn.append(links)
-    color, label = (RED, "hand at the grasp") if joints is not None else (GREY, "hand, where the arm does not get it")
+    color, label = (RED, "hand at the grasp") if joints is not None else (GREY, "hand, where the arm cannot bring it")
     if joints is None:
         drawn.append(_draw_reach(axes, robot))
     drawn.append(draw_hand_in_space(axes, grasp, plan.gripper, color=color, label=label))

@@ -38,22 +38,22 @@ MAX_MISSED = 60
 
 
 def draw_close(axes: Axes, plan: Plan, item: ObjectPlan, view: View, *, places: bool = False) -> None:
-    """An object with its outline, hand, contacts and centre of gravity, and the axes of the frame.
+    """An object with its silhouette, hand, contacts and centre of gravity, and the axes of the frame.
 
     With `places` also where the camera and the robot's base are.
     """
-    outline = item.silhouette
-    if outline is None:
+    silhouette = item.silhouette
+    if silhouette is None:
         drawn = view.of_world(item.object.points)
         draw_dots(axes, drawn, PALE, "cloud")
     else:
-        drawn = _draw_outline(axes, item, outline, view)
+        drawn = _draw_silhouette(axes, item, silhouette, view)
     hands = [hand_extent(grasp, view, plan.gripper) for grasp in (*item.grasps[:1], *item.refused[:1])]
     drawn = np.vstack([drawn, *hands])
     _draw_grasps(axes, plan, item, view)
     center = item.gravity_center
-    if center is not None and outline is not None:
-        place = view.of_plane(outline.frame, center.place[None])
+    if center is not None and silhouette is not None:
+        place = view.of_plane(silhouette.frame, center.place[None])
         axes.plot(*place.T, "P", color=PURPLE, ms=9, mec="white", zorder=7, ls="none", label="centre of gravity")
         drawn = np.vstack([drawn, place])
     _show(axes, drawn)
@@ -81,27 +81,27 @@ def _widths(grasp: Grasp, hand: FloatArray) -> Label:
     return Label(words, hand, {"fontsize": 9, "color": RED, "bbox": HALO})
 
 
-def _draw_outline(axes: Axes, item: ObjectPlan, outline: Silhouette, view: View) -> FloatArray:
-    """Points and outline; where they are (n, 2)."""
-    points = view.of_plane(outline.frame, outline.points)
+def _draw_silhouette(axes: Axes, item: ObjectPlan, silhouette: Silhouette, view: View) -> FloatArray:
+    """Points and silhouette; where they are (n, 2)."""
+    points = view.of_plane(silhouette.frame, silhouette.points)
     draw_dots(axes, points, PALE, "cloud")
-    draw_loops(axes, outline, view)
+    draw_loops(axes, silhouette, view)
     fingers = item.trace.fingers
     if fingers is not None:
         unsure = (fingers.hidden > 0) | ~fingers.seen
         if unsure.any():
-            start, end = (view.of_plane(outline.frame, ends[unsure]) for ends in (fingers.start, fingers.end))
+            start, end = (view.of_plane(silhouette.frame, ends[unsure]) for ends in (fingers.start, fingers.end))
             style = {"colors": SKY, "linewidths": 3.0, "alpha": 0.6, "zorder": 2}
             draw_segments(axes, start, end, **style).set_label("not seen behind: it may go on")
-    loops = [view.of_plane(outline.frame, closed(loop)) for loop in outline.loops]
+    loops = [view.of_plane(silhouette.frame, closed(loop)) for loop in silhouette.loops]
     return np.concatenate([*loops, thinned(points)])
 
 
-def draw_loops(axes: Axes, outline: Silhouette, view: View, color: str = BLACK) -> None:
+def draw_loops(axes: Axes, silhouette: Silhouette, view: View, color: str = BLACK) -> None:
     """The loops of the concave hull."""
-    for k, loop in enumerate(outline.loops):
-        drawn = view.of_plane(outline.frame, closed(loop))
-        axes.plot(drawn[:, 0], drawn[:, 1], color=color, lw=1.2, zorder=2, label="outline" if k == 0 else None)
+    for k, loop in enumerate(silhouette.loops):
+        drawn = view.of_plane(silhouette.frame, closed(loop))
+        axes.plot(drawn[:, 0], drawn[:, 1], color=color, lw=1.2, zorder=2, label="silhouette" if k == 0 else None)
 
 
 def _draw_grasps(axes: Axes, plan: Plan, item: ObjectPlan, view: View) -> None:
@@ -122,12 +122,12 @@ def _draw_grasps(axes: Axes, plan: Plan, item: ObjectPlan, view: View) -> None:
 
 def _draw_missed(axes: Axes, item: ObjectPlan, view: View) -> None:
     """The last pairs of contacts that were left before there was no grasp."""
-    outline, fingers = item.silhouette, item.trace.fingers
+    silhouette, fingers = item.silhouette, item.trace.fingers
     left = [(stage, pairs) for stage, pairs in item.trace.survivors.items() if len(pairs)]
-    if outline is None or fingers is None or not left:
+    if silhouette is None or fingers is None or not left:
         return
     _, pairs = left[-1]
     stage = item.rejection.stage.replace("_", " ") if item.rejection else "the next stage"
-    contacts = [view.of_plane(outline.frame, fingers.contact[pairs[:MAX_MISSED, side]]) for side in (0, 1)]
+    contacts = [view.of_plane(silhouette.frame, fingers.contact[pairs[:MAX_MISSED, side]]) for side in (0, 1)]
     lines = draw_segments(axes, *contacts, colors=BLUE, linewidths=0.6, zorder=3)
     lines.set_label(f"the last pairs, refused by: {stage}")

@@ -1,4 +1,4 @@
-"""Our grasps beside those of two point fingers, on the same outline: the paper's figure 21."""
+"""Our grasps beside those of two point fingers, on the same silhouette: the paper's figure 21."""
 
 from __future__ import annotations
 
@@ -29,33 +29,35 @@ def comparison_figure(
     `theirs` (k, 2, 2) are the contacts of the point fingers' grasps in the plane, best first; `verdicts` say why the
     hand cannot, or None.
     """
-    outline = ours.silhouette
-    assert outline is not None  # noqa: S101 - without one there is nothing to compare
-    view = view_of(plan, outline.frame.axes[2])
+    silhouette = ours.silhouette
+    assert silhouette is not None  # noqa: S101 - without one there is nothing to compare
+    view = view_of(plan, silhouette.frame.axes[2])
     page = Page(f"{title} · {plan.gripper.description}", 2)
     left = page.panel(f"object {ours.object.id}, ours: Lei & Wisse")
     draw_close(left, plan, ours, view)
     right = page.panel(f"two point fingers (Allen et al.): {counted(len(theirs), 'grasp')}")
     right.set(xlim=left.get_xlim(), ylim=left.get_ylim(), aspect="equal")
     tick_labels(right, view)
-    draw_loops(right, outline, view)
-    _draw_theirs(right, outline, view, theirs, verdicts)
+    draw_loops(right, silhouette, view)
+    _draw_theirs(right, silhouette, view, theirs, verdicts)
     return page.finish(_caption(ours, verdicts))
 
 
 def _draw_theirs(
-    axes: Axes, outline: Silhouette, view: View, theirs: FloatArray, verdicts: Sequence[str | None]
+    axes: Axes, silhouette: Silhouette, view: View, theirs: FloatArray, verdicts: Sequence[str | None]
 ) -> None:
     """Each grasp as a line between its contacts, with its rank beside one of them."""
     labels, lines, named = [], [], set[str]()
     for rank, (found, verdict) in enumerate(zip(theirs, verdicts, strict=True), start=1):
-        contacts = view.of_plane(outline.frame, found)
+        contacts = view.of_plane(silhouette.frame, found)
         color, name = (GREY, CANNOT) if verdict else (BLUE, CAN)
         axes.plot(*contacts.T, "o-", color=color, lw=1.2, ms=4, label=None if name in named else name)
         named.add(name)
         labels.append(Label(str(rank), _rim(contacts), {"fontsize": 9, "color": color, "fontweight": "bold"}))
         lines.append(np.linspace(contacts[0], contacts[1], 40))
-    put(axes, labels, np.vstack([*(view.of_plane(outline.frame, closed(loop)) for loop in outline.loops), *lines]))
+    put(
+        axes, labels, np.vstack([*(view.of_plane(silhouette.frame, closed(loop)) for loop in silhouette.loops), *lines])
+    )
 
 
 def _rim(contacts: FloatArray) -> FloatArray:

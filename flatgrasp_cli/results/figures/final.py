@@ -45,7 +45,7 @@ def final_figure(plan: Plan) -> Figure:
 
 def _level(item: ObjectPlan) -> str:
     level = item.level_m
-    return " in its main plane" if level is None else f": outline of what is higher than {MM * level:.0f} mm"
+    return " in its main plane" if level is None else f": silhouette of what is higher than {MM * level:.0f} mm"
 
 
 def _caption(plan: Plan, normal: FloatArray) -> list[tuple[str, str]]:

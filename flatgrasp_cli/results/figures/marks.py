@@ -18,7 +18,7 @@ from flatgrasp_cli.results.view import NAMES, View
 
 TRIAD_PX = 104.0
 BEHIND = 2.4
-"""The order of what hides the cloud and the outline, but not the panel's rim."""
+"""The order of what hides the cloud and the silhouette, but not the panel's rim."""
 ARROW_PX = 42.0
 """Length of an axis that lies in the drawing."""
 FORESHORTENED = 0.25

@@ -21,21 +21,21 @@ MARGIN_MM = 20.0
 
 
 class PlaneDrawing:
-    """A page with one drawing of an object's outline in the main plane."""
+    """A page with one drawing of an object's silhouette in the main plane."""
 
     def __init__(self, plan: Plan, item: ObjectPlan, title: str, color: str = GREY) -> None:
-        outline = item.silhouette
-        assert outline is not None  # noqa: S101 - stages that were not reached are not drawn
-        self._outline, self._view = outline, view_of(plan, outline.frame.axes[2])
+        silhouette = item.silhouette
+        assert silhouette is not None  # noqa: S101 - stages that were not reached are not drawn
+        self._silhouette, self._view = silhouette, view_of(plan, silhouette.frame.axes[2])
         self._page = Page(title, 1)
         self.axes: Axes = self._page.panel(f"object {item.object.id} in its main plane")
-        draw_loops(self.axes, outline, self._view, color)
-        show(self.axes, np.concatenate([self.of(loop) for loop in outline.loops]), MARGIN_MM)
+        draw_loops(self.axes, silhouette, self._view, color)
+        show(self.axes, np.concatenate([self.of(loop) for loop in silhouette.loops]), MARGIN_MM)
         tick_labels(self.axes, self._view)
 
     def of(self, points: FloatArray) -> FloatArray:
         """Points (n, 2) of the main plane in the drawing."""
-        return self._view.of_plane(self._outline.frame, points)
+        return self._view.of_plane(self._silhouette.frame, points)
 
     def segments(self, start: FloatArray, end: FloatArray, label: str, **style: Any) -> LineCollection:
         """Segments between points (n, 2) of the main plane."""

@@ -75,13 +75,13 @@ def _color(k: int) -> str:
 
 
 def _draw_object(axes: Axes, plan: Plan, k: int, view: View) -> Label:
-    """The object's outline and its best hand, or the best that the robot does not reach; its label."""
+    """The object's silhouette and its best hand, or the best that the robot does not reach; its label."""
     item = plan.objects[k]
     best = bool(item.grasps) and item.grasps[0] is plan.best
     parts = [thinned(view.of_world(item.object.points))]
-    outline = item.silhouette
-    for loop in outline.loops if outline else ():
-        drawn = view.of_plane(outline.frame, closed(loop))  # type: ignore[union-attr]
+    silhouette = item.silhouette
+    for loop in silhouette.loops if silhouette else ():
+        drawn = view.of_plane(silhouette.frame, closed(loop))  # type: ignore[union-attr]
         axes.plot(drawn[:, 0], drawn[:, 1], color=BLACK, lw=0.9, zorder=3)
     if item.grasps:
         name = "final grasp: the closing line" if best else "best grasps of the other objects"

@@ -98,14 +98,14 @@ def resultant(item: ObjectPlan) -> FloatArray:
 
 def final_on_cloud(plan: Plan, item: ObjectPlan) -> Figure:
     """Fig. 17 (b) and 18: the final grasp in the plane and on the cloud."""
-    outline, grasp = item.silhouette, item.grasps[0]
-    assert outline is not None  # noqa: S101 - of a grasp there is one
-    view = view_of(plan, outline.frame.axes[2])
+    silhouette, grasp = item.silhouette, item.grasps[0]
+    assert silhouette is not None  # noqa: S101 - of a grasp there is one
+    view = view_of(plan, silhouette.frame.axes[2])
     page = Page("C the final grasp", 2)
     draw_close(page.panel(f"object {item.object.id} in the main plane"), plan, item, view)
     axes = page.panel("on the cloud", solid=True)
     frame = _upright(plan, item)
-    near = _near_pads(item, outline)
+    near = _near_pads(item, silhouette)
     points = frame.to_local(item.object.points)
     draw_dots_in_space(axes, points[~near], PALE, "object")
     draw_dots_in_space(axes, points[near], BLUE, "under the pads")
@@ -134,12 +134,12 @@ def _upright(plan: Plan, item: ObjectPlan) -> Frame:
     return view_of(plan, normal).upright(on_plane=support is not None)
 
 
-def _near_pads(item: ObjectPlan, outline: Silhouette) -> BoolArray:
+def _near_pads(item: ObjectPlan, silhouette: Silhouette) -> BoolArray:
     """Which of the object's points lie under the two finger candidates of the final grasp."""
     fingers, grasp, points = item.trace.fingers, item.grasps[0], item.object.points
     near = np.zeros(len(points), dtype=np.bool_)
     if fingers is not None:
-        projected = outline.frame.to_local(points)[:, :2]  # the outline may be that of a slice
+        projected = silhouette.frame.to_local(points)[:, :2]  # the silhouette may be that of a slice
         for k in grasp.fingers:
             away = np.linalg.norm(projected - fingers.contact[k], axis=1)
             near |= away < fingers.width[k] / 2

@@ -47,7 +47,7 @@ PAIR_STAGES = {
     "pads": ("B.3", "both contacts lie under the pads, although they are not quite opposite each other"),
     "seen": ("B.3", "the object was seen to be as thick there as it looks"),
     "grasping_range": ("B.3", "the object is wide enough there, and not too wide for the hand"),
-    "variance": ("B.4", "the outline under the pads is even enough"),
+    "variance": ("B.4", "the silhouette under the pads is even enough"),
     "operability": ("B.5", "open fingers have room beside the object, and their way to it is free"),
     "depth": ("B.5", "the fingers get deep enough beside the object to hold it, and touch nothing on the way down"),
     "palm": ("B.5", "the palm stays clear of the object"),
@@ -67,13 +67,13 @@ def stage_figures(plan: Plan) -> Iterator[tuple[str, Callable[[], Figure]]]:
 def _drawings(item: ObjectPlan) -> Iterator[tuple[str, Draw]]:
     """What can be drawn of an object."""
     trace = item.trace
-    outlined = item.silhouette is not None
-    fingers = outlined and trace.fingers is not None
-    balanced = outlined and resultant(item).size > 0
+    known = item.silhouette is not None
+    fingers = known and trace.fingers is not None
+    balanced = known and resultant(item).size > 0
     drawings: list[tuple[bool, str, Draw]] = [
         (item.box is not None, "obb", boxes),
-        (outlined, "projection", _projection),
-        (outlined and bool(trace.steps), "step_points", _step_points),
+        (known, "projection", _projection),
+        (known and bool(trace.steps), "step_points", _step_points),
         (fingers, "finger_candidates", _finger_candidates),
         (fingers, "grasping_directions", _directions),
         (balanced, "force_balance_image", _balance_image),
@@ -81,7 +81,7 @@ def _drawings(item: ObjectPlan) -> Iterator[tuple[str, Draw]]:
         (True, "funnel", _funnel),
         *((fingers, stage, _pairs_of(stage)) for stage in trace.survivors if stage in PAIR_STAGES),
         (fingers and trace.ranked is not None and trace.gravity_distance_m is not None, "gravity", _gravity),
-        (outlined and bool(item.grasps), "final_grasp", final_on_cloud),
+        (known and bool(item.grasps), "final_grasp", final_on_cloud),
     ]
     return ((name, draw) for drawn, name, draw in drawings if drawn)
 
@@ -95,14 +95,14 @@ def _numbered(number: int, draw: Draw, plan: Plan, item: ObjectPlan) -> Figure:
 
 def _projection(plan: Plan, item: ObjectPlan) -> Figure:
     """Figs. 4 and 5: the projection and its concave hull, in serial order."""
-    outline = item.silhouette
-    assert outline is not None  # noqa: S101
-    holes = max(len(outline.loops) - 1, 0)
+    silhouette = item.silhouette
+    assert silhouette is not None  # noqa: S101
+    holes = max(len(silhouette.loops) - 1, 0)
     plane = PlaneDrawing(
-        plan, item, f"A.2 projection and concave hull: α = {MM * outline.alpha_m:.1f} mm, {counted(holes, 'hole')}"
+        plan, item, f"A.2 projection and concave hull: α = {MM * silhouette.alpha_m:.1f} mm, {counted(holes, 'hole')}"
     )
-    draw_dots(plane.axes, plane.of(outline.points), PALE, "projected cloud")
-    for loop in outline.loops:
+    draw_dots(plane.axes, plane.of(silhouette.points), PALE, "projected cloud")
+    for loop in silhouette.loops:
         drawn = plane.of(loop)
         plane.axes.scatter(drawn[:, 0], drawn[:, 1], c=np.arange(len(loop)), cmap="viridis", s=14, zorder=3)
     plane.axes.plot([], [], "o", ms=4, color="#440154", label="vertices: the first")
@@ -119,7 +119,7 @@ def _step_points(plan: Plan, item: ObjectPlan) -> Figure:
     plane = PlaneDrawing(plan, item, f"A.3.1 {counted(total, 'step point')}, r = {MM * steps[0].step_m:.1f} mm", BLUE)
     drawn = plane.of(np.concatenate([step.points for step in steps]))
     plane.axes.plot(*drawn.T, "o", ms=3, color=RED, zorder=3, label="step points")
-    return plane.finish("points r apart along the outline (eq. 1): each is where a place for a finger begins")
+    return plane.finish("points r apart along the silhouette (eq. 1): each is where a place for a finger begins")
 
 
 def _finger_candidates(plan: Plan, item: ObjectPlan) -> Figure:
@@ -131,16 +131,16 @@ def _finger_candidates(plan: Plan, item: ObjectPlan) -> Figure:
         chosen = fingers.width == width
         label = f"{counted(int(chosen.sum()), 'candidate')} for w_f = {MM * width:.1f} mm"
         plane.segments(fingers.start[chosen], fingers.end[chosen], label, colors=color, linewidths=1.2, zorder=3)
-    return plane.finish("chords of the outline as wide as what presses there, w_f: a finger, or two side by side")
+    return plane.finish("chords of the silhouette as wide as what presses there, w_f: a finger, or two side by side")
 
 
 def _directions(plan: Plan, item: ObjectPlan) -> Figure:
     """Fig. 11 (c): inside grasping directions."""
-    outline, fingers = item.silhouette, item.trace.fingers
-    assert outline is not None  # noqa: S101
+    silhouette, fingers = item.silhouette, item.trace.fingers
+    assert silhouette is not None  # noqa: S101
     assert fingers is not None  # noqa: S101
     plane = PlaneDrawing(plan, item, f"A.3.3 grasping directions, {item.trace.doubted_directions} doubted")
-    length = 0.05 * float(np.ptp(outline.loops[0], axis=0).max())
+    length = 0.05 * float(np.ptp(silhouette.loops[0], axis=0).max())
     plane.segments(fingers.start, fingers.end, "finger candidates", colors=PURPLE, linewidths=0.6, zorder=3)
     tips = fingers.contact + length * fingers.direction
     plane.segments(fingers.contact, tips, "grasping directions: inward", colors=BLUE, linewidths=0.8, zorder=4)

@@ -1,4 +1,4 @@
-"""What would help where forces, torques or the outline's shape leave no pair."""
+"""What would help where forces, torques or the silhouette's shape leave no pair."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from flatgrasp_cli.profiles import Gripper, list_profiles, load_gripper
 from flatgrasp_cli.results.remedies.words import mm
 
 COARSE_SHARE = 0.25
-"""Points farther apart than this share of an object's smaller side leave its outline ragged."""
+"""Points farther apart than this share of an object's smaller side leave its silhouette ragged."""
 MILLIMETRES_M = 1.0
 """What is wider than this between the pads may be a cloud in millimetres."""
 TINY_M = 0.003
@@ -20,7 +20,7 @@ TINY_M = 0.003
 
 
 def narrow_fingers(plan: Plan, item: ObjectPlan, _rejection: Rejection) -> str | None:
-    """A hand whose fingers find a place on the outline."""
+    """A hand whose fingers find a place on the silhouette."""
     box = item.box
     if box is not None and max(box.size[:2]) < TINY_M:
         return f"clouds are taken in metres, this object is {1e3 * max(box.size[:2]):.2g} mm long: see --scale"
@@ -48,7 +48,7 @@ def too_wide(plan: Plan, item: ObjectPlan, rejection: Rejection) -> str | None:
         return f"{asked}; if the cloud is in millimetres: --scale 0.001"
     widest = max(_shipped_grippers(), key=lambda each: each.max_opening_m)
     table = "; if it is objects on a table: --scene table" if item.object.support is None else ""
-    return f"{asked}, and of the shipped grippers {widest.name} most, {mm(widest.max_opening_m)}{table}"
+    return f"{asked}, and {widest.name}, the widest shipped gripper, {mm(widest.max_opening_m)}{table}"
 
 
 def no_room(plan: Plan, _item: ObjectPlan, rejection: Rejection) -> str | None:
@@ -59,7 +59,7 @@ def no_room(plan: Plan, _item: ObjectPlan, rejection: Rejection) -> str | None:
         hand = min(wider, key=lambda each: each.max_opening_m, default=None)
         return f"--gripper {hand.name} opens {mm(hand.max_opening_m)}" if hand else None
     room = gripper.finger_thickness_m - rejection.value
-    return _thinner(gripper, room) if room > 0 else "what stands in the fingers' way must go, or have a gap"
+    return _thinner(gripper, room) if room > 0 else "clear what stands in the fingers' way, or leave a gap there"
 
 
 def _thinner(gripper: Gripper, room_m: float) -> str:
@@ -90,8 +90,8 @@ def not_deep_enough(plan: Plan, item: ObjectPlan, rejection: Rejection) -> str |
         return long_fingers(plan, item, rejection)
     if rejection.cause == "neighbours":
         return "take away what stands beside it, or grasp that first; thinner fingers need less room"
-    outline, box = item.silhouette, item.box
-    if rejection.cause == "itself" and outline is not None and box is not None:
+    silhouette, box = item.silhouette, item.box
+    if rejection.cause == "itself" and silhouette is not None and box is not None:
         return _finer(len(item.object.points), box.size[:2])
     if rejection.cause == "low":
         depth = plan.settings.depth
@@ -103,7 +103,7 @@ def not_deep_enough(plan: Plan, item: ObjectPlan, rejection: Rejection) -> str |
 
 
 def _finer(points: int, sides: FloatArray) -> str | None:
-    """Said of an object on which too few points lie to tell its outline."""
+    """Said of an object on which too few points lie to tell its silhouette."""
     apart, narrow = math.sqrt(float(sides[0] * sides[1]) / points), float(min(sides))
     if apart < COARSE_SHARE * narrow:
         return None

@@ -1,0 +1,33 @@
+"""How much is worked on at once decides how long it takes, and nothing else."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from flatgrasp_cli import load_gripper, load_settings, plan, to_document
+from flatgrasp_cli.geometry import arrays
+from flatgrasp_cli.ranking import cost
+from flatgrasp_cli.scene import clusters, strays
+from flatgrasp_cli.surroundings import below
+from tests.conftest import TABLE, Box, Camera
+
+SCENE = Camera(pixels=(160, 120), focal=230.0).sees(TABLE, Box((0.0, 0.0, 0.03), (0.12, 0.04, 0.06), 20))
+
+
+def document() -> dict[str, Any]:
+    result = to_document(plan(SCENE, load_gripper("pr2"), load_settings("default", ("caging.certify=false",))))
+    result.pop("timing_ms")
+    return result
+
+
+def test_what_is_worked_on_at_once_does_not_matter(monkeypatch: pytest.MonkeyPatch) -> None:
+    usual = document()
+    assert usual["objects"][0]["grasps"]
+    for module, name in (
+        *((arrays, "IN_CACHE"), (below, "MAX_PAIRS"), (clusters, "BLOCK"), (strays, "ROW")),
+        *((cost, "NEIGHBOURS_AT_ONCE"),),
+    ):
+        monkeypatch.setattr(module, name, max(1, getattr(module, name) // 50))
+    assert document() == usual

@@ -1,0 +1,214 @@
+"""What the method runs on: slices of an object, the maps of what stands around it, and what hangs in the air."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flatgrasp_cli import load_settings
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.model import ObjectCloud
+from flatgrasp_cli.planner.main_plane import oriented_box
+from flatgrasp_cli.surroundings import OnSupport, Place, box_on, from_the_side, hanging_m, places
+from flatgrasp_cli.surroundings.slices import lowest_tip, slices, top_of
+from tests.by_hand import MM, bar, on_table
+
+SETTINGS = load_settings()
+DEPTH = SETTINGS.depth
+BAR = bar(0.1, 0.04, 0.04)
+
+
+def whole_of(cloud: ObjectCloud) -> Place:
+    """The place of the whole object."""
+    assert cloud.support is not None
+    box = box_on(cloud.support, cloud.points, "min_area")
+    assert box is not None
+    return places(cloud, box, SETTINGS)[0]
+
+
+def around(place: Place) -> OnSupport:
+    assert isinstance(place.surroundings, OnSupport)
+    return place.surroundings
+
+
+def block_of(size: tuple[float, float, float], center: tuple[float, float, float], pitch_m: float) -> FloatArray:
+    """Points (n, 3) that fill a box."""
+    axes = [c + np.arange(-0.5 * s, 0.5 * s + 1e-9, pitch_m) for s, c in zip(size, center, strict=True)]
+    return np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 3)
+
+
+class TestSlices:
+    @staticmethod
+    def heap(tower_mm: float = 30.0) -> FloatArray:
+        """A plate of 100 × 100 × 30 mm with a tower of 50 mm on it, so long and wide, as points 1 mm apart."""
+        x, y = np.meshgrid(np.arange(-50, 51) * MM, np.arange(-50, 51) * MM)
+        half = 0.5 * tower_mm * MM
+        z = np.where((np.abs(x) <= half) & (np.abs(y) <= half), 80 * MM, 30 * MM)
+        return np.column_stack([x.ravel(), y.ravel(), z.ravel()])
+
+    def test_the_whole_comes_first_and_then_what_stands_out(self) -> None:
+        whole, *tower = slices(self.heap(), 2 * MM, DEPTH)
+        assert len(whole.rows) == 101**2
+        assert whole.level_m == DEPTH.table_clearance_m
+        assert [len(piece.rows) for piece in tower] == [31**2, 31**2]  # close above the plate, and a step higher
+        assert 30 * MM < tower[0].level_m <= 30 * MM + DEPTH.slice_step_m
+        assert tower[1].level_m == pytest.approx(tower[0].level_m + DEPTH.slice_step_m)
+
+    def test_a_block_is_one_slice(self) -> None:
+        block = self.heap()
+        block[:, 2] = 60 * MM
+        assert len(slices(block, 2 * MM, DEPTH)) == 1
+
+    def test_two_towers_are_two_parts(self) -> None:
+        points = self.heap()
+        points[:, 2] = np.where(np.abs(np.abs(points[:, 0]) - 0.03) < 0.011, 80 * MM, 30 * MM)
+        whole, *towers = slices(points, 2 * MM, DEPTH)
+        assert len(towers) == 4
+        for left, right in (towers[:2], towers[2:]):
+            assert points[left.rows, 0].max() < 0 < points[right.rows, 0].min()
+        assert len(whole.rows) == len(points)
+
+    @pytest.mark.parametrize(("tower_mm", "parts"), [(80, 2), (99, 0)])
+    def test_what_has_nearly_the_whole_footprint_is_no_part(self, tower_mm: float, parts: int) -> None:
+        """A tower on 64 % of the plate is one, a block with an edge of a cell all around is not."""
+        assert len(slices(self.heap(tower_mm), 2 * MM, DEPTH)) == 1 + parts
+
+    @pytest.mark.parametrize(("tower_mm", "parts"), [(4, 0), (6, 2)])
+    def test_a_part_has_30_points(self, tower_mm: float, parts: int) -> None:
+        """25 and 49, on a plate of 40 mm of whose points they are more than one in a hundred."""
+        points = self.heap(tower_mm)
+        points = points[np.abs(points[:, :2]).max(axis=1) < 20.5 * MM]
+        assert len(slices(points, 2 * MM, DEPTH)) == 1 + parts
+
+    def test_the_next_level_is_a_centimetre_higher(self) -> None:
+        _, low, high = slices(self.heap(), 2 * MM, DEPTH)
+        assert high.level_m - low.level_m == pytest.approx(10 * MM)
+
+    def test_no_level_is_so_high_that_the_pads_would_not_hold(self) -> None:
+        levels = [piece.level_m for piece in slices(self.heap() * [1, 1, 0.55], 2 * MM, DEPTH)]  # 44 mm
+        assert max(levels) == pytest.approx(34 * MM)
+        assert len(slices(self.heap() * [1, 1, 0.5], 2 * MM, DEPTH)) == 2
+
+    @pytest.mark.parametrize(("spikes", "top_mm"), [(5, 50), (20, 90)])
+    def test_a_few_high_points_are_no_top(self, spikes: int, top_mm: float) -> None:
+        heights = np.concatenate([np.full(1000 - spikes, 50 * MM), np.full(spikes, 90 * MM)])
+        assert top_of(heights) == pytest.approx(top_mm * MM)
+
+    @pytest.mark.parametrize(("top_mm", "tip_mm"), [(100, 4), (9, 3.15), (1, 1.5)])
+    def test_the_lowest_tip_leaves_4_mm_or_a_third_of_a_low_object(self, top_mm: float, tip_mm: float) -> None:
+        assert lowest_tip(top_mm * MM, DEPTH) == pytest.approx(tip_mm * MM)
+
+
+class TestMaps:
+    """Of a bar 40 mm high on the table."""
+
+    @pytest.mark.parametrize(("pitch_mm", "cell_mm"), [(0.8, 2), (3, 6)])
+    def test_cells_are_two_steps_between_points_and_2_mm_at_least(self, pitch_mm: float, cell_mm: float) -> None:
+        """The sixth neighbour of a point at the edge is so far away."""
+        cells = around(whole_of(on_table(BAR, pitch_m=pitch_mm * MM))).maps.highest
+        assert cells.cell_m == pytest.approx(cell_mm * MM, rel=0.01)
+
+    def test_those_of_a_rod_are_no_larger(self) -> None:
+        """Of two rows of few points the sixth neighbour lies far along them; the table's points tell the spacing."""
+        rod = on_table(bar(0.1, 0.004, 0.008), pitch_m=2 * MM)
+        few = replace(rod, points=rod.points[np.lexsort(rod.points.T[:1])][::3])
+        assert around(whole_of(few)).maps.highest.cell_m == pytest.approx(4 * MM, rel=0.01)
+
+    def test_what_a_finger_can_meet_8_cm_beside_the_object_is_on_the_map(self) -> None:
+        def post(x: FloatArray, y: FloatArray) -> FloatArray:
+            return np.where((np.abs(x) < 0.01) & (np.abs(y - 0.11) < 0.01), 0.05, 0.0)
+
+        place = whole_of(on_table(BAR, others=post))
+        local = place.frame.to_local(np.array([[0.0, 0.11, 0.0], [0.0, 0.09, 0.0]]))
+        for chart in (around(place).maps.rest, around(place).maps.highest):
+            assert chart.over(*local[:, :2].T).tolist() == pytest.approx([0.05, 0.0])
+
+    def test_the_palms_cells_are_5_mm(self) -> None:
+        assert around(whole_of(on_table(BAR))).maps.coarse.cell_m == pytest.approx(5 * MM)
+
+    def test_behind_an_object_is_hidden_and_beside_it_is_not(self) -> None:
+        """Pixels are small enough to tell the space 6 mm beside an edge, and large enough to have no gaps.
+
+        The bar's points are scattered: where they are sparse, six neighbours are 2.6 mm away.
+        """
+        cloud = on_table(BAR, sensor=(0.0, -0.8, 0.6))
+        x, y = np.random.default_rng(0).uniform([-0.05, -0.02], [0.05, 0.02], (2000, 2)).T
+        view = around(whole_of(replace(cloud, points=np.column_stack([x, y, np.full(2000, 0.04)])))).view
+        along, across = np.linspace(-0.045, 0.045, 200), np.linspace(-0.02, 0.02, 200)
+        assert view.hides(np.stack([along, np.full(200, 0.03), np.full(200, 0.02)]), 6 * MM).all()
+        assert not view.hides(np.stack([along, np.full(200, 0.018), np.full(200, 0.046)]), 6 * MM).any()
+        assert not view.hides(np.stack([np.full(200, 0.057), across, np.full(200, 0.01)]), 6 * MM).any()
+
+
+class TestStanding:
+    """A bottle 24 cm high, seen and grasped from the side: the hand comes along y."""
+
+    BOTTLE = block_of((0.06, 0.002, 0.24), (0.0, -0.02, 0.12), 2 * MM)
+
+    def side(self) -> Place:
+        table = on_table(bar(0.06, 0.06, 0.24))
+        cloud = replace(table, points=self.BOTTLE, viewpoint=np.array([0.0, -0.8, 0.3]), toward=np.array([0, -1.0, 0]))
+        box = oriented_box(cloud.points, cloud.toward, "min_area")
+        assert box is not None
+        return from_the_side(cloud, box, SETTINGS)
+
+    def test_the_table_under_it_is_in_the_hands_way(self) -> None:
+        place = self.side()
+        table = place.frame.to_local(np.array([[0.05, -0.1, 0.0], [0.14, -0.1, 0.0]]))
+        assert np.isfinite(around(place).maps.rest.over(*table[:, :2].T)).all()
+
+    def test_but_not_what_lies_far_off(self) -> None:
+        table = on_table(bar(0.06, 0.06, 0.24))
+        shifted = replace(table, points=self.BOTTLE - [0.35, 0, 0], toward=np.array([0, -1.0, 0]))
+        box = oriented_box(shifted.points, shifted.toward, "min_area")
+        assert box is not None
+        place = from_the_side(shifted, box, SETTINGS)
+        local = place.frame.to_local(np.array([[-0.1, -0.1, 0.0], [0.1, -0.1, 0.0]]))
+        assert np.isfinite(around(place).maps.rest.over(*local[:, :2].T)).tolist() == [True, False]
+
+    def test_the_tips_end_8_mm_behind_what_was_seen_deepest(self) -> None:
+        assert around(self.side()).lowest_m == pytest.approx(-8 * MM)
+
+
+class TestHanging:
+    """A small thing in the air, seen obliquely."""
+
+    @staticmethod
+    def hangs_at(low_m: float, size_m: float = 0.02, below: FloatArray | None = None) -> float:
+        own = block_of((size_m, 0.002, 0.01), (0.0, 0.0, low_m + 0.005), 1 * MM)
+        others = np.empty((0, 3)) if below is None else below
+        table = on_table(bar(0.01, 0.01, 0.1), sensor=(0.0, -0.7, 0.7))
+        cloud = replace(table, points=own, obstacles=others, toward=np.array([0.0, -0.7, 0.7]))
+        return hanging_m(whole_of(cloud))
+
+    @staticmethod
+    def screen(x_m: tuple[float, float], hidden_m: tuple[float, float]) -> FloatArray:
+        """Points of an upright screen 8 mm before what it hides of the space below the thing, from one to another."""
+        size = x_m[1] - x_m[0], 0.002, hidden_m[1] - hidden_m[0]
+        return block_of(size, (0.5 * sum(x_m), -0.008, 0.008 + 0.5 * sum(hidden_m)), 0.5 * MM)
+
+    @pytest.mark.parametrize(("low_m", "hangs"), [(0.012, False), (0.035, True), (0.08, True)])
+    def test_what_begins_2_cm_over_the_table_does(self, low_m: float, hangs: bool) -> None:
+        """Lower it may stand on what was not seen."""
+        assert self.hangs_at(low_m) == pytest.approx(low_m if hangs else 0.0)
+
+    @pytest.mark.parametrize(("size_m", "hangs"), [(0.03, True), (0.06, False)])
+    def test_what_is_larger_than_4_cm_does_not(self, size_m: float, hangs: bool) -> None:
+        assert (self.hangs_at(0.08, size_m) > 0) == hangs
+
+    @pytest.mark.parametrize(
+        ("hidden_mm", "hangs"), [((0, 15), True), ((15, 25), True), ((35, 45), True), ((15, 45), False)]
+    )
+    def test_free_space_is_looked_for_at_a_quarter_and_at_half_of_its_height(
+        self, hidden_mm: tuple[float, float], hangs: bool
+    ) -> None:
+        """Of 80 mm; to see through below it at one of them is enough."""
+        screen = self.screen((-0.015, 0.015), (hidden_mm[0] * MM, hidden_mm[1] * MM))
+        assert (self.hangs_at(0.08, below=screen) > 0) == hangs
+
+    @pytest.mark.parametrize(("covered", "hangs"), [(0.25, True), (0.65, False)])
+    def test_half_of_it_is_enough(self, covered: float, hangs: bool) -> None:
+        screen = self.screen((-0.01, -0.01 + 0.02 * covered), (0.0, 0.06))
+        assert (self.hangs_at(0.08, below=screen) > 0) == hangs

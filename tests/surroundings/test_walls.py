@@ -1,0 +1,80 @@
+"""What pads rest on beside an outline: profiles in millimetres, 25 mm above the table, before a pad 20 mm wide."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flatgrasp_cli import load_settings
+from flatgrasp_cli.geometry.height_map import HeightMap
+from flatgrasp_cli.surroundings.walls import Walls, upright, walls
+from tests.by_hand import MM, Relief, candidates
+
+LEVEL_M = 25 * MM
+FRICTION = 0.5
+AT_ORIGIN = candidates(np.zeros((1, 2)), np.array([[0.0, 1.0]]))
+"""One candidate: the object lies toward +y, the pad along x."""
+
+
+def surface(relief_mm: Relief) -> HeightMap:
+    """The map of a surface whose height is given over x and y, the way inward, all in millimetres."""
+    steps = np.arange(-39.75, 40.0, 0.5)
+    x, y = (axis.ravel() for axis in np.meshgrid(steps, steps))
+    return HeightMap.of(MM * np.column_stack([x, y, relief_mm(x, y)]), 0.5 * MM)
+
+
+def found(relief_mm: Relief) -> Walls:
+    chart = surface(relief_mm)
+    return walls(AT_ORIGIN, chart, chart, LEVEL_M, FRICTION)
+
+
+class TestTheWallsTop:
+    @pytest.mark.parametrize(("begins_mm", "top_mm"), [(4.5, 60), (5.5, 40)])
+    def test_it_is_that_of_the_first_5_mm(self, begins_mm: float, top_mm: float) -> None:
+        step = found(lambda _x, y: np.where(y < begins_mm, 40.0, 60.0))
+        assert step.top[0] == pytest.approx(top_mm * MM)
+
+    @pytest.mark.parametrize(("beyond_mm", "top_mm"), [(3, 60), (10, 40)])
+    def test_it_is_that_of_most_of_the_pad_and_of_nothing_beside_it(self, beyond_mm: float, top_mm: float) -> None:
+        beside = found(lambda x, _y: np.where(np.abs(x) < beyond_mm, 40.0, 60.0))
+        assert beside.top[0] == pytest.approx(top_mm * MM)
+
+    def test_it_is_the_level_where_nothing_was_seen(self) -> None:
+        empty = HeightMap.of(np.empty((0, 3)), MM)
+        nothing = walls(AT_ORIGIN, empty, empty, LEVEL_M, FRICTION)
+        assert (nothing.top[0], nothing.boundary[0], nothing.flank[0]) == (LEVEL_M, LEVEL_M, 0.0)
+
+    @pytest.mark.parametrize(("begins_mm", "boundary_mm"), [(3.5, 40), (1.5, 40 + 20 * 2 / 3)])
+    def test_the_boundary_is_the_mean_of_the_first_3_mm(self, begins_mm: float, boundary_mm: float) -> None:
+        step = found(lambda _x, y: np.where(y < begins_mm, 40.0, 60.0))
+        assert step.boundary[0] == pytest.approx(boundary_mm * MM)
+
+
+@pytest.mark.parametrize(("rise", "flank_mm"), [(0.3, 0), (1.0, 5), (1.8, 9), (2.5, 0)])
+def test_what_rises_by_half_to_one_over_friction_is_a_flank_for_5_mm(rise: float, flank_mm: float) -> None:
+    """What is flatter is the top, what is steeper holds by friction."""
+    slope = found(lambda _x, y: 30 + rise * y)
+    assert slope.flank[0] == pytest.approx(flank_mm * MM, rel=0.05)
+
+
+class TestUpright:
+    @staticmethod
+    def stands(below_mm: Relief) -> bool:
+        """Whether the candidate is before a wall, where what the slice stands on is so far below its level."""
+        rest = surface(lambda x, y: LEVEL_M / MM - below_mm(x, -y))
+        return bool(upright(AT_ORIGIN, rest, LEVEL_M, load_settings().depth.wall_drop)[0])
+
+    @pytest.mark.parametrize(("fall", "stands"), [(2.0, False), (3.7, True)])
+    def test_what_falls_by_less_than_70_degrees_is_a_flank(self, fall: float, stands: bool) -> None:
+        assert self.stands(lambda _x, out: fall * out) == stands
+
+    def test_a_ledge_5_mm_away_is_not_looked_at(self) -> None:
+        assert self.stands(lambda _x, out: np.where(out < 5, 20.0, 0.0))
+
+    def test_a_rim_1_mm_wide_is_not_looked_at(self) -> None:
+        """It is the outline's own uncertainty."""
+        assert self.stands(lambda _x, out: np.where(out > 1.5, 20.0, 0.0))
+
+    def test_half_of_the_pad_is_enough(self) -> None:
+        assert self.stands(lambda x, _out: np.where(x < 3, 20.0, 0.0))
+        assert not self.stands(lambda x, _out: np.where(x < -3, 20.0, 0.0))
