@@ -85,12 +85,7 @@ def plan(
     scene = segment(cloud, resolved.scene, resolved.seed)
     scene = replace(scene, warnings=(*scene.warnings, *_table_tilted(scene.support))) if robot else scene
     segmented = time.perf_counter()
-    plans = [plan_object(item, gripper, resolved, top, robot) for item in scene.objects]
-    for whole in scene.wholes:
-        parts = [item for item in plans if item.object.group == whole.group]
-        if parts and not any(item.grasps for item in parts):  # perhaps they are one object after all
-            found = plan_object(whole, gripper, resolved, top, robot)
-            plans = [item for item in plans if item not in parts] + [found] if found.grasps else plans
+    plans = _planned(scene, gripper, resolved, top, robot)
     objects = tuple(sorted(plans, key=_best_first))
     scene_ms, plan_ms = 1e3 * (segmented - began), 1e3 * (time.perf_counter() - segmented)
     return Plan(
@@ -103,6 +98,19 @@ def plan(
         scene_ms=scene_ms,
         plan_ms=plan_ms,
     )
+
+
+def _planned(
+    scene: Scene, gripper: Gripper, settings: PlannerSettings, top: int, robot: Robot | None
+) -> list[ObjectPlan]:
+    """The plans of a scene's objects; where objects touch and none of them has a grasp, that of all of them as one."""
+    plans = [plan_object(item, gripper, settings, top, robot) for item in scene.objects]
+    for whole in scene.wholes:
+        parts = [item for item in plans if item.object.group == whole.group]
+        if parts and not any(item.grasps for item in parts):
+            found = plan_object(whole, gripper, settings, top, robot)
+            plans = [*(item for item in plans if item not in parts), found] if found.grasps else plans
+    return plans
 
 
 def _table_tilted(support: SupportPlane | None) -> tuple[CloudWarning, ...]:

@@ -99,12 +99,7 @@ def to_document(plan: Plan, read_ms: float = 0.0) -> dict[str, Any]:
         support_plane=_optional(_plane, plan.scene.support),
         container=_container(plan),
         objects=[_object(item, plan) for item in plan.objects],
-        timing_ms=TimingPart(
-            read=round(read_ms, 3),
-            scene=round(plan.scene_ms, 3),
-            plan=round(plan.plan_ms, 3),
-            total=round(read_ms + plan.scene_ms + plan.plan_ms, 3),
-        ),
+        timing_ms=_timing(read_ms, plan.scene_ms, plan.plan_ms),
     )
     return dict(document)
 
@@ -115,10 +110,15 @@ def to_json(document: dict[str, Any], *, indent: int | None = None) -> str:
     return json.dumps(document, indent=indent, separators=separators, allow_nan=False, ensure_ascii=False)
 
 
+def _timing(read_ms: float, scene_ms: float, plan_ms: float) -> TimingPart:
+    read, scene, plan, total = (round(ms, 3) for ms in (read_ms, scene_ms, plan_ms, read_ms + scene_ms + plan_ms))
+    return TimingPart(read=read, scene=scene, plan=plan, total=total)
+
+
 def _container(plan: Plan) -> ContainerPart | None:
     points, plane = plan.scene.container, plan.scene.support
-    known = plane is not None and len(points) > 0
-    return ContainerPart(points=len(points), height_m=float(plane.heights(points).max())) if known else None
+    highest = plane.heights(points).max(initial=-1.0) if plane else -1.0
+    return ContainerPart(points=len(points), height_m=float(highest)) if len(points) else None
 
 
 def _sensor(sensor: Sensor) -> SensorPart:

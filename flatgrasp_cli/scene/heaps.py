@@ -13,13 +13,17 @@ from flatgrasp_cli.model import SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.clusters import MIN_POINTS, PLANE_SIGMAS, Clusters
 from flatgrasp_cli.scene.container import Container, find_container
-from flatgrasp_cli.scene.parting import pieces
+from flatgrasp_cli.scene.parting import Limits, pieces
 
 FLOOR_SHARE = 0.5
 """A piece with more than this share of its points in the support plane is the floor, from which a bin's walls rise."""
 INSIDE_SHARE = 0.5
 """Least share of a thing in a bin that lies over its inside: walls are outside, but for their feet."""
 
+
+LONGEST_WHOLE_M = 0.25
+"""Pieces that touch and are together no longer than this, metres, may be one object, as a stapler's arm and foot are:
+hardly a tool that a hand carries is longer."""
 
 Piece = tuple[IntArray, int | None]
 """The indices of an object's points, and the cluster that it was parted from."""
@@ -97,7 +101,9 @@ class Heap:
         """The objects that clusters are made of."""
         found = []
         for group, rows in enumerate(members):
-            parts = [part for part in self._pieces(rows) if self._is_object(part)]
+            parts = self._pieces(rows)
+            if len(parts) > 1 or _length_m(self.points[rows]) > self.settings.max_size_m:
+                parts = [part for part in parts if self._is_object(part)]
             found += [(part, group if len(parts) > 1 else None) for part in parts]
         return found
 
@@ -129,22 +135,23 @@ class Heap:
         """The `rows` (n,) of points piece by piece."""
         if len(rows) * self.clusters.floor.spacing_m**2 < 2 * self.settings.least_part_m**2:
             return [rows] if len(rows) else []
+        least_m = self.settings.least_part_m
+        compact = _length_m(self.points[rows]) <= LONGEST_WHOLE_M
+        limits = Limits(self.settings.seam_deg, least_m, neck_m=least_m if compact else 0.0)
         names = pieces(
-            self.points[rows],
-            self.viewpoint,
-            self.clusters.floor.spacing_m,
-            self.plane.noise_m,
-            seam_deg=self.settings.seam_deg,
-            least_m=self.settings.least_part_m,
+            self.points[rows], self.viewpoint, self.clusters.floor.spacing_m, self.plane.noise_m, limits=limits
         )
         order = np.argsort(names, kind="stable")
         return np.split(rows[order], np.flatnonzero(np.diff(names[order])) + 1)
 
     def _is_object(self, rows: IntArray) -> bool:
         """Whether points are enough for an object, and not too far apart."""
-        if len(rows) < MIN_POINTS:
-            return False
-        return bool(np.linalg.norm(np.ptp(self.points[rows], axis=0)) <= self.settings.max_size_m)
+        return len(rows) >= MIN_POINTS and _length_m(self.points[rows]) <= self.settings.max_size_m
+
+
+def _length_m(points: FloatArray) -> float:
+    """Diagonal of the box around `points` (n, 3)."""
+    return float(np.linalg.norm(np.ptp(points, axis=0)))
 
 
 def _is_free(points: FloatArray, container: Container) -> bool:

@@ -9,6 +9,7 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.model import Cloud, ObjectCloud, Sensor, SupportPlane
 from flatgrasp_cli.scene.clusters import Clusters
+from flatgrasp_cli.scene.heaps import LONGEST_WHOLE_M
 from flatgrasp_cli.scene.picture import cut_off
 from flatgrasp_cli.scene.support_plane import looks_down
 
@@ -16,9 +17,6 @@ NEAR_M = 0.2
 """Other points farther than this from an object's bounding box cannot meet the hand."""
 OVERHEAD_M = 1.0
 """Where no sensor is known, shadows are those of one straight above."""
-LONGEST_WHOLE_M = 0.25
-"""Pieces that touch and are no longer together may be one object, as a stapler's arm and foot are: hardly a tool that a
-hand carries is longer."""
 
 
 def overlook(points: FloatArray, sensor: Sensor, plane: SupportPlane) -> FloatArray:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import cv2
 import numpy as np
 
@@ -23,22 +25,49 @@ MOST_FLOODS = 100
 """Cells in a row that a seam may be wide."""
 
 
-def pieces(
-    points: FloatArray, viewpoint: FloatArray, spacing_m: float, noise_m: float, *, seam_deg: float, least_m: float
-) -> IntArray:
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What parts two pieces: a concave bend of more than `seam_deg`.
+
+    A piece whose area, as seen, is less than a square of side `least_m` belongs to the one beside it, or the nearest.
+    Pieces that meet along less than `neck_m` are one: a neck or a handle joins them.
+    """
+
+    seam_deg: float
+    least_m: float
+    neck_m: float = 0.0
+
+
+def pieces(points: FloatArray, viewpoint: FloatArray, spacing_m: float, noise_m: float, limits: Limits) -> IntArray:
     """Names (n,), positive, of the pieces of the surface that `points` (n, 3) lie on.
 
-    The points lie `spacing_m` apart and scatter by `noise_m` along the ray from `viewpoint` (3,). A seam is a concave
-    bend of more than `seam_deg`; a piece whose area, seen from there, is less than a square of side `least_m` belongs
-    to the one beside it, or the nearest.
+    The points lie `spacing_m` apart and scatter by `noise_m` along the ray from `viewpoint` (3,).
     """
-    cell_m = max(LEAST_CELL_M, POINTS_ACROSS * spacing_m, fitting_cell_m(spacing_m, noise_m, seam_deg))
+    cell_m = max(LEAST_CELL_M, POINTS_ACROSS * spacing_m, fitting_cell_m(spacing_m, noise_m, limits.seam_deg))
     grid = ViewGrid.of(points, viewpoint, cell_m, noise_m)
     normals, has_normal = surface_normals(grid)
-    names = _connected(grid, has_normal & ~seam_cells(grid, normals, has_normal, seam_deg))
+    names = _connected(grid, has_normal & ~seam_cells(grid, normals, has_normal, limits.seam_deg))
     names = _flooded(grid, _of_size(names, CORE_CELLS), normals)
-    names = _flooded(grid, _of_size(names, (least_m / grid.cell_m) ** 2), normals)
-    return np.asarray(grid.of_points(_nearest(names)))
+    names = _flooded(grid, _of_size(names, (limits.least_m / grid.cell_m) ** 2), normals)
+    return np.asarray(grid.of_points(_over_necks(grid, _nearest(names), limits.neck_m)))
+
+
+def _over_necks(grid: ViewGrid, names: IntArray, neck_m: float) -> IntArray:
+    """The names with one for each two pieces that meet along a line shorter than `neck_m`, mostly without a jump."""
+    count = int(names.max()) + 1
+    met, smooth = np.zeros((2, 2, count * count))
+    for axis, step in enumerate((DOWN, RIGHT)):
+        there = shifted(names, step)
+        pair = np.minimum(names, there) * count + np.maximum(names, there)
+        border = grid.known & shifted(grid.known, step) & (names != there)
+        met[axis] = np.bincount(pair[border], minlength=count * count)
+        smooth[axis] = np.bincount(pair[border & grid.smooth_to(step)], minlength=count * count)
+    length_m = grid.cell_m * np.hypot(*met)
+    joined = np.arange(count)
+    necks = (length_m > 0) & (length_m < neck_m) & (2 * smooth.sum(axis=0) > met.sum(axis=0))
+    for one, other in zip(*np.divmod(np.flatnonzero(necks), count), strict=True):
+        joined[joined == joined[other]] = joined[one]
+    return np.asarray(joined[names])
 
 
 def _nearest(names: IntArray) -> IntArray:
