@@ -46,6 +46,7 @@ from flatgrasp_cli.results.contracts.objects import (
 )
 from flatgrasp_cli.results.contracts.plan import (
     SCHEMA_ID,
+    ContainerPart,
     Document,
     SensorPart,
     SourcePart,
@@ -96,13 +97,9 @@ def to_document(plan: Plan, read_ms: float = 0.0) -> dict[str, Any]:
         robot=_optional(_values, plan.robot),
         settings=_values(plan.settings),
         support_plane=_optional(_plane, plan.scene.support),
+        container=_container(plan),
         objects=[_object(item, plan) for item in plan.objects],
-        timing_ms=TimingPart(
-            read=round(read_ms, 3),
-            scene=round(plan.scene_ms, 3),
-            plan=round(plan.plan_ms, 3),
-            total=round(read_ms + plan.scene_ms + plan.plan_ms, 3),
-        ),
+        timing_ms=_timing(read_ms, plan.scene_ms, plan.plan_ms),
     )
     return dict(document)
 
@@ -111,6 +108,17 @@ def to_json(document: dict[str, Any], *, indent: int | None = None) -> str:
     """The document as text; raises `ValueError` rather than write NaN."""
     separators = (",", ":") if indent is None else None
     return json.dumps(document, indent=indent, separators=separators, allow_nan=False, ensure_ascii=False)
+
+
+def _timing(read_ms: float, scene_ms: float, plan_ms: float) -> TimingPart:
+    read, scene, plan, total = (round(ms, 3) for ms in (read_ms, scene_ms, plan_ms, read_ms + scene_ms + plan_ms))
+    return TimingPart(read=read, scene=scene, plan=plan, total=total)
+
+
+def _container(plan: Plan) -> ContainerPart | None:
+    points, plane = plan.scene.container, plan.scene.support
+    highest = plane.heights(points).max(initial=-1.0) if plane else -1.0
+    return ContainerPart(points=len(points), height_m=float(highest)) if len(points) else None
 
 
 def _sensor(sensor: Sensor) -> SensorPart:
@@ -133,6 +141,8 @@ def _object(item: ObjectPlan, plan: Plan) -> ObjectPart:
     return ObjectPart(
         id=item.object.id,
         points=len(item.object.points),
+        cut_off=item.object.cut_off,
+        touches_others=item.object.group is not None,
         status="ok" if item.grasps else "no_grasp",
         reason=rejection.reason if rejection else None,
         remedy=remedy_of(plan, item),

@@ -10,6 +10,7 @@ from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 from flatgrasp_cli.geometry.polygon import dot, left_normal
 from flatgrasp_cli.model import GraspCandidates
 from flatgrasp_cli.profiles.gripper import Gripper
+from flatgrasp_cli.profiles.settings import HandSettings
 
 AT_CONTACT_M = 0.005
 """Closer to the pad than this, metres, a point of the object may be one that the pad rests on: two cells of the map and
@@ -60,10 +61,37 @@ def under_fingers(
     return found, hidden
 
 
-def under_palm(middle: FloatArray, axis: FloatArray, chart: HeightMap, least_m: float, gripper: Gripper) -> FloatArray:
-    """Highest point (p,) below the palm, metres, if it is higher than `least_m`: what is lower is not in its way."""
+def palm_room(
+    grasps: GraspCandidates, chart: HeightMap, headroom: float, gripper: Gripper, settings: HandSettings
+) -> FloatArray:
+    """How far (p,) the palm may miss to its sides before it meets something: not at all, half the preshape, or all.
+
+    What is more than `headroom` higher than the fingertips is in the palm's way.
+    """
+    room = np.zeros(len(grasps))
+    if len(grasps) == 0:
+        return room
+    lowest = float(grasps.tip.min()) + headroom
+    for miss_m in (0.5 * settings.preshape_m, settings.preshape_m):
+        met = under_palm(grasps.center, grasps.axis, chart, lowest, gripper, miss_m + settings.clearance_m)
+        room = np.where(met <= grasps.tip + headroom, miss_m, room)
+    return room
+
+
+def under_palm(
+    middle: FloatArray,
+    axis: FloatArray,
+    chart: HeightMap,
+    least_m: float,
+    gripper: Gripper,
+    beside_m: float = 0.0,
+) -> FloatArray:
+    """Highest point (p,) below the palm and `beside_m` around it, metres, if it is higher than `least_m`.
+
+    What is lower is not in its way.
+    """
     highest = np.full(len(middle), UNSEEN)
-    reach = 0.5 * np.array([gripper.hand_width_m, gripper.palm_m]) + 0.5 * chart.cell_m
+    reach = 0.5 * np.array([gripper.hand_width_m, gripper.palm_m]) + 0.5 * chart.cell_m + beside_m
     tall = chart.higher_than(least_m)
     x, y, _ = tall.T
     (left, low), (right, high) = middle.min(axis=0) - reach.sum(), middle.max(axis=0) + reach.sum()

@@ -15,7 +15,7 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
-from flatgrasp_cli.surroundings.below import fingers_meet, palm_meets, too_low, under_fingers, under_palm
+from flatgrasp_cli.surroundings.below import fingers_meet, palm_meets, palm_room, too_low, under_fingers, under_palm
 from flatgrasp_cli.surroundings.maps import Relief
 from flatgrasp_cli.surroundings.slices import lowest_tip
 from flatgrasp_cli.surroundings.walls import walls
@@ -80,6 +80,8 @@ def descended(
         unseen=unseen[choice, columns],
         touch=np.clip(held.seen, tip, np.maximum(held.wall, tip)),
     ).select(kept)
+    room = palm_room(grasps, maps.coarse, headroom, gripper, settings.hand)
+    grasps = grasps.having(margin=np.minimum(grasps.margin, room))
     return _looked_into(grasps, funnel) if depth.unseen == "refuse" else grasps
 
 

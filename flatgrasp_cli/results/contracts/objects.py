@@ -94,6 +94,10 @@ class ObjectPart(Part):
     """Its number in the scene, from 0."""
     points: int
     """The number of its points."""
+    cut_off: bool
+    """Whether the edge of the picture cuts it off, so that it may go on where the sensor did not look."""
+    touches_others: bool
+    """Whether it was told apart from others that it touches."""
     status: Status
     """Whether it has a grasp."""
     reason: str | None

@@ -56,16 +56,18 @@ def _draw_cloud(axes: Axes, plan: Plan, view: View) -> FloatArray:
         return drawn[inside], inside
 
     drawn, inside = within(plan.cloud.points)
-    obstacles = thinned(within(plan.scene.clutter)[0])
+    obstacles, container = (thinned(within(points)[0]) for points in (plan.scene.clutter, plan.scene.container))
     if plan.cloud.colors is not None:
         draw_dots(axes, drawn, plan.cloud.colors[inside] / 255, "cloud, in its colours")
-        return obstacles
+        return np.concatenate([obstacles, container])
     draw_dots(axes, drawn, PALE, "cloud")
     if len(obstacles):
         draw_dots(axes, obstacles, BLACK, "obstacles that are no object")
+    if len(container):
+        draw_dots(axes, container, GREY, "container, an obstacle")
     for k, item in enumerate(plan.objects):
         draw_dots(axes, view.of_world(item.object.points), _color(k), "objects, a colour each" if k == 0 else None)
-    return obstacles
+    return np.concatenate([obstacles, container])
 
 
 def _color(k: int) -> str:
