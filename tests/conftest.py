@@ -28,6 +28,8 @@ from flatgrasp_cli.profiles import Gripper, PlannerSettings, load_gripper, load_
 settings.register_profile("no-clock", deadline=None, derandomize=True)
 settings.load_profile("no-clock")
 
+EACH = ("variety.apart_m=0",)
+"""The override that lists all grasps in their order, also those at about one place."""
 SAMPLES = Path(__file__).resolve().parent.parent / "sample_data"
 THICKNESS_M = 0.02
 MM = 1e-3

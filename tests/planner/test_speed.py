@@ -35,6 +35,7 @@ from flatgrasp_cli.results.figures import as_png, final_figure
 from flatgrasp_cli.results.figures.style import DPI, TEXT
 from flatgrasp_cli.surroundings import descent
 from tests.conftest import (
+    EACH,
     I_BEAM,
     L_SHAPE,
     MM,
@@ -175,7 +176,7 @@ def both_ways(fast: Plan) -> tuple[Grasp, list[Grasp]]:
     assert fast.best is not None
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(silhouette, "alpha_region", by_triangles)
-        return fast.best, list(plan(fast.cloud, fast.gripper).objects[0].grasps)
+        return fast.best, list(plan(fast.cloud, fast.gripper, load_settings("default", EACH)).objects[0].grasps)
 
 
 def nearest(grasp: Grasp, others: list[Grasp]) -> tuple[float, float]:

@@ -63,7 +63,8 @@ def test_both_centres_of_gravity_are_reported() -> None:
 def test_grasps_are_ranked_and_the_funnel_narrows() -> None:
     item = to_document(PLATE)["objects"][0]
     costs = [grasp["metrics"]["cost_m"] for grasp in item["grasps"]]
-    assert [grasp["rank"] for grasp in item["grasps"]] == list(range(1, 11))
+    assert [grasp["rank"] for grasp in item["grasps"]] == list(range(1, len(costs) + 1))
+    assert len(costs) > 1
     assert costs == sorted(costs)
     kept = [stage["kept"] for stage in item["funnel"] if stage["stage"] not in ("silhouette", "step_points")]
     from_pairs = kept[2:]

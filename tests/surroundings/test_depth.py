@@ -19,7 +19,7 @@ from flatgrasp_cli.planning import plan_object
 from flatgrasp_cli.profiles import Gripper
 from flatgrasp_cli.scene import segment
 from flatgrasp_cli.surroundings.slices import lowest_tip, slices
-from tests.conftest import MM, SAMPLES, TABLE, Box, Camera, Solid, Tube
+from tests.conftest import EACH, MM, SAMPLES, TABLE, Box, Camera, Solid, Tube
 
 ABOVE = Camera(pixels=(320, 240), focal=420.0)
 KINECT = Camera(tilt_deg=50, pixels=(640, 480), focal=525.0)
@@ -34,7 +34,8 @@ HEIGHT_SLACK_M = 2 * MM
 
 
 def planned(cloud: Cloud, gripper: Gripper, *overrides: str, top: int = 10) -> Plan:
-    return plan(cloud, gripper, load_settings("default", overrides), top=top)
+    """The best `top` grasps, those at about one place, too."""
+    return plan(cloud, gripper, load_settings("default", (*EACH, *overrides)), top=top)
 
 
 def best(result: Plan) -> Grasp:
