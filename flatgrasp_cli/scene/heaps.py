@@ -21,8 +21,8 @@ INSIDE_SHARE = 0.5
 """Least share of a thing in a bin that lies over its inside: walls are outside, but for their feet."""
 
 
-LONGEST_WHOLE_M = 0.25
-"""Pieces that touch and are together no longer than this, metres, may be one object, as a stapler's arm and foot are:
+LONGEST_WHOLE_M = 0.3
+"""Pieces that touch and are together no longer than this, metres, may be one object, as a hammer's head and handle are:
 hardly a tool that a hand carries is longer."""
 
 Piece = tuple[IntArray, int | None]
@@ -60,7 +60,7 @@ class Heap:
             return self._in_container(container)
         clusters = self.clusters
         objects = self._objects_of(clusters.members)
-        return replace(clusters, **_largest_first(objects), clutter=self._rest(*(rows for rows, _ in objects)))
+        return replace(clusters, **self._largest_first(objects), clutter=self._rest(*(rows for rows, _ in objects)))
 
     def _in_container(self, container: Container | None) -> Clusters:
         """The things in a container and beside it, and the container; None is one of which only the inside is seen.
@@ -91,7 +91,7 @@ class Heap:
         wall = np.concatenate(walls)
         return replace(
             self.clusters,
-            **_largest_first(objects),
+            **self._largest_first(objects),
             clutter=self._rest(wall, *(rows for rows, _ in objects)),
             container=wall,
             solid=np.empty((0, 3)) if container is None else container.solid(self.points[wall]),
@@ -106,6 +106,17 @@ class Heap:
                 parts = [part for part in parts if self._is_object(part)]
             found += [(part, group if len(parts) > 1 else None) for part in parts]
         return found
+
+    def _largest_first(self, objects: list[Piece]) -> _Found:
+        """The objects by the number of cells of the floor's raster that they stand over."""
+        floor = self.clusters.floor
+
+        def footprint(piece: Piece) -> int:
+            x, y, _ = floor.frame.to_local(self.points[piece[0]]).T
+            return int(np.count_nonzero(floor.levels.raster.count(floor.levels.raster.cells(x, y))))
+
+        objects = sorted(objects, key=footprint, reverse=True)
+        return {"members": tuple(rows for rows, _ in objects), "groups": tuple(group for _, group in objects)}
 
     def _rest(self, *taken: IntArray) -> IntArray:
         """The points above the plane that are not `taken`."""
@@ -157,8 +168,3 @@ def _length_m(points: FloatArray) -> float:
 def _is_free(points: FloatArray, container: Container) -> bool:
     """Whether `points` (n, 3) stand apart from the walls of a container: in it, or beside it."""
     return bool(container.holds(points).all() or not container.covers(points).any())
-
-
-def _largest_first(objects: list[Piece]) -> _Found:
-    objects = sorted(objects, key=lambda piece: -len(piece[0]))
-    return {"members": tuple(rows for rows, _ in objects), "groups": tuple(group for _, group in objects)}

@@ -96,6 +96,13 @@ class TestTouching:
         assert len(scene_of(ABOVE.sees(TABLE, plate, knob)).objects) == 1
         assert len(scene_of(ABOVE.sees(TABLE, plate, knob), "least_part_m=0.012").objects) == 2
 
+    @pytest.mark.parametrize(("neck_mm", "count"), [(25, 1), (60, 2)])
+    def test_what_a_neck_joins_is_one_thing(self, neck_mm: float, count: int) -> None:
+        """A narrow bar, or a wide one, ends at the side of a box: a handle, or another thing."""
+        box = Box((0.0, 0.0, 0.02), (0.08, 0.10, 0.04))
+        handle = Box((0.10, 0.0, 0.013), (0.118, neck_mm * MM, 0.026))
+        assert len(scene_of(Camera(tilt_deg=20).sees(TABLE, box, handle)).objects) == count
+
     def test_a_long_heap_is_no_furniture(self) -> None:
         heights = (0.05, 0.08, 0.04, 0.07, 0.05)
         row = tuple(Box((0.09 * k - 0.18, 0.02 * (k % 2), h / 2), (0.088, 0.08, h)) for k, h in enumerate(heights))

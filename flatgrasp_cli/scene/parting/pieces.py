@@ -21,6 +21,8 @@ DOWN, RIGHT = (1, 0), (0, 1)
 SIDES = (DOWN, RIGHT, (-1, 0), (0, -1))
 CORE_CELLS = 6
 """Cells of a piece, at least, that lie in no seam: fewer may be noise."""
+LEAST_CELLS = 30
+"""Cells of a piece, at least: of fewer most lie at its own edge, where normals are poor."""
 MOST_FLOODS = 100
 """Cells in a row that a seam may be wide."""
 
@@ -48,7 +50,7 @@ def pieces(points: FloatArray, viewpoint: FloatArray, spacing_m: float, noise_m:
     normals, has_normal = surface_normals(grid)
     names = _connected(grid, has_normal & ~seam_cells(grid, normals, has_normal, limits.seam_deg))
     names = _flooded(grid, _of_size(names, CORE_CELLS), normals)
-    names = _flooded(grid, _of_size(names, (limits.least_m / grid.cell_m) ** 2), normals)
+    names = _flooded(grid, _of_size(names, max(LEAST_CELLS, (limits.least_m / grid.cell_m) ** 2)), normals)
     return np.asarray(grid.of_points(_over_necks(grid, _nearest(names), limits.neck_m)))
 
 
@@ -63,8 +65,9 @@ def _over_necks(grid: ViewGrid, names: IntArray, neck_m: float) -> IntArray:
         met[axis] = np.bincount(pair[border], minlength=count * count)
         smooth[axis] = np.bincount(pair[border & grid.smooth_to(step)], minlength=count * count)
     length_m = grid.cell_m * np.hypot(*met)
+    widest_m = neck_m + grid.cell_m if neck_m > 0 else 0.0  # a line's length is known to a cell
     joined = np.arange(count)
-    necks = (length_m > 0) & (length_m < neck_m) & (2 * smooth.sum(axis=0) > met.sum(axis=0))
+    necks = (length_m > 0) & (length_m < widest_m) & (2 * smooth.sum(axis=0) > met.sum(axis=0))
     for one, other in zip(*np.divmod(np.flatnonzero(necks), count), strict=True):
         joined[joined == joined[other]] = joined[one]
     return np.asarray(joined[names])
