@@ -20,6 +20,7 @@ from flatgrasp_cli.model import (
     Stage,
     SupportPlane,
 )
+from flatgrasp_cli.planner.silhouette import without_strays
 from flatgrasp_cli.planning.objects import Answer, answer_for, proved
 from flatgrasp_cli.planning.variety import differing
 from flatgrasp_cli.profiles import Gripper, PlannerSettings, Robot
@@ -37,6 +38,8 @@ def plan_object(
 
     Of those that a `robot` cannot carry out, the best `top` that differ are listed as refused.
     """
+    if cloud.support is None:
+        cloud = replace(cloud, points=without_strays(cloud.points, settings.silhouette))
     answer = answer_for(cloud, gripper, settings)
     item = ObjectPlan(
         object=cloud,
