@@ -18,7 +18,8 @@ there is the end of a table, or of a thing that stands out."""
 MARGIN_SHARE = 0.07
 """Of an image's width and height sensors leave this much empty at a side: stereo cameras up to 0.06."""
 LEAST_POINTS = 8
-SAMPLE = 20_000
+SAMPLE = 6_000
+"""Points of a picture that tell where it ends: some 50 lie along each side."""
 
 
 def cut_off(cloud: Cloud, viewpoint: FloatArray, members: tuple[IntArray, ...], spacing_m: float) -> tuple[bool, ...]:
