@@ -44,7 +44,7 @@ STAGES = {
     "support plane": ((segmentation, "find_support_plane"),),
     "objects": ((segmentation, "find_clusters"), (segmentation, "_objects")),
     "surroundings": ((objects, "places"), (objects, "from_the_side")),
-    "silhouette": ((objects, "silhouette"),),
+    "silhouette": ((objects, "silhouette_of"),),
     "finger candidates": (
         (pipeline, "step_points"),
         (pipeline, "finger_candidates"),

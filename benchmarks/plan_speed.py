@@ -30,7 +30,7 @@ from flatgrasp_cli.surroundings import Alone, OnSupport
 ROOT = Path(__file__).resolve().parent.parent
 SECTIONS: dict[str, list[tuple[ModuleType | type, str]]] = {
     "A.1": [(objects, "oriented_box")],
-    "A.2": [(objects, "silhouette")],
+    "A.2": [(objects, "silhouette_of")],
     "A.3": [(pipeline, "step_points"), (pipeline, "finger_candidates"), (pipeline, "inward_directions")],
     "B.1": [(pipeline, "force_balance"), (pipeline, "force_balanced")],
     "B.2": [(pipeline, "torque_balanced")],

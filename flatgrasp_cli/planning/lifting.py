@@ -10,6 +10,7 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion, quaternion_from_axes
 from flatgrasp_cli.geometry.polygon import left_normal
 from flatgrasp_cli.model import Grasp, GraspCandidates, ObjectCloud, ObjectPlan, Pose, Reach, Rejection, Stage
+from flatgrasp_cli.planner.silhouette import without_strays
 from flatgrasp_cli.planning.objects import Answer, answer_for
 from flatgrasp_cli.profiles import Gripper, PlannerSettings, Robot
 from flatgrasp_cli.proof import Certificates
@@ -26,6 +27,8 @@ def plan_object(
 
     Of those that a `robot` cannot carry out, the best `top` are listed as refused.
     """
+    if cloud.support is None:
+        cloud = replace(cloud, points=without_strays(cloud.points, settings.silhouette))
     answer = answer_for(cloud, gripper, settings, REACH_CANDIDATES if robot else top)
     item = ObjectPlan(
         object=cloud,

@@ -23,7 +23,7 @@ from flatgrasp_cli.model import (
 )
 from flatgrasp_cli.planner.gravity import gravity_center
 from flatgrasp_cli.planner.main_plane import oriented_box
-from flatgrasp_cli.planner.silhouette import silhouette_of, without_strays
+from flatgrasp_cli.planner.silhouette import silhouette_of
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.proof import Certificates, certified, forgiven_m, is_caged, why_not
@@ -55,7 +55,6 @@ def answer_for(cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings, 
     in the main plane of its own bounding box.
     """
     if cloud.support is None:
-        cloud = replace(cloud, points=without_strays(cloud.points, settings.silhouette))
         box = oriented_box(cloud.points, cloud.toward, settings.main_plane.method)
     else:
         box = box_on(cloud.support, cloud.points, settings.main_plane.method)

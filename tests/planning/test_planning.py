@@ -22,7 +22,7 @@ from flatgrasp_cli.results.remedies import remedy_of
 from flatgrasp_cli.results.table import ROWS, grasp_table, headline, refusals
 from flatgrasp_cli.robot import forward
 from flatgrasp_cli.robot.reach import LIMITS
-from tests.conftest import MM, SAMPLES, TABLE, Box, Camera
+from tests.conftest import MM, SAMPLES, TABLE, Box, Camera, cloud_of, rectangle, sampled
 
 BESIDE = Box((0.45, 0.0, -0.01), (0.9, 0.7, 0.02))
 """A table in front of a robot whose base stands on its height."""
@@ -345,3 +345,10 @@ def test_no_grasp_depends_on_the_diagnostics(
     assert len(with_trace.grasps) > 0
     assert with_trace.funnel == without.funnel
     assert repr(with_trace.grasps) == repr(without.grasps)
+
+
+def test_strays_of_an_object_alone_are_no_points_of_it(pr2: Gripper) -> None:
+    """A second, smaller plate 10 cm aside: neither planned nor counted."""
+    plate, speck = sampled(rectangle(120, 40)), sampled(rectangle(12, 4)) + np.array([0.0, 0.1, 0.0])
+    both, alone = cloud_of(np.concatenate([plate, speck])), load_settings("default", ("scene.mode=object",))
+    assert [len(item.object.points) for item in plan(both, pr2, alone).objects] == [len(plate)]
