@@ -153,7 +153,7 @@ def _proved(answer: Answer, gripper: Gripper, settings: PlannerSettings, top: in
     if answer.grasps is None or answer.shape is None:
         return answer
     if not settings.caging.certify:
-        return replace(answer, grasps=answer.grasps.select(np.arange(min(top, len(answer.grasps)))))
+        return replace(answer, grasps=answer.grasps.first(top))
     grasps, proved = certified(answer.grasps, answer.shape.silhouette, gripper, settings)
     funnel, rows = answer.funnel, range(len(grasps))
     if settings.caging.require:
