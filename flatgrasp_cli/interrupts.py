@@ -1,9 +1,10 @@
 """Ctrl-C ends the process with 130 and one line, whenever it comes.
 
 Python raises KeyboardInterrupt wherever it happens to be. In the middle of an import a C extension may turn that into
-an ImportError, and in a callback of the interpreter's own it is printed and forgotten. So the handler here waits for
-the end of an import, asks again for what was lost, and raises only once: a second Ctrl-C ends the process on the spot.
-Nothing is lost by that, for files are written beside their place and renamed.
+an ImportError, in the middle of removing a temporary folder the folder stays, and in a callback of the interpreter's
+own it is printed and forgotten. So the handler here waits for the end of an import or of such a removal, asks again for
+what was lost, and raises only once: a second Ctrl-C ends the process on the spot. Nothing is lost by that, for files
+are written beside their place and renamed.
 
 This module is loaded before anything that takes time, and loads next to nothing itself.
 """
@@ -20,7 +21,8 @@ if TYPE_CHECKING:
 
 INTERRUPTED = 130
 AGAIN_S = 0.02
-IMPORTING = "<frozen importlib._bootstrap>"
+WAITED_FOR = {"<frozen importlib._bootstrap>", os.path.join(os.path.dirname(os.__file__), "tempfile.py")}  # noqa: PTH118, PTH120
+"""Where the code stands whose end is waited for: pathlib would take longer to load than all the rest."""
 STDERR = 2
 
 
@@ -51,7 +53,7 @@ class Interrupts:
         self._raise(number, frame)
 
     def _raise(self, _number: int, frame: FrameType | None) -> None:
-        if _imports(frame):
+        if _must_end_first(frame):
             self._again()
         else:
             raise KeyboardInterrupt
@@ -67,9 +69,9 @@ class Interrupts:
         signal.setitimer(signal.ITIMER_REAL, AGAIN_S)
 
 
-def _imports(frame: FrameType | None) -> bool:
+def _must_end_first(frame: FrameType | None) -> bool:
     while frame is not None:
-        if frame.f_code.co_filename == IMPORTING:
+        if frame.f_code.co_filename in WAITED_FOR:
             return True
         frame = frame.f_back
     return False

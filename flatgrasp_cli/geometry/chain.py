@@ -19,7 +19,7 @@ def closed_chain(loops: Sequence[FloatArray]) -> tuple[FloatArray, IntArray]:
     return points, np.cumsum([len(loop) + 1 for loop in loops])[:-1] - 1
 
 
-def slopes(x: FloatArray, y: FloatArray) -> FloatArray:
+def _slopes(x: FloatArray, y: FloatArray) -> FloatArray:
     """Slope (n − 1, p) of the edges of a chain with vertices x, y (n, p); of upright ones their length."""
     run = np.diff(x, axis=0)
     run[run == 0] = 1.0
@@ -37,6 +37,11 @@ class Chain:
     y: FloatArray
     slope: FloatArray
     breaks: IntArray
+
+    @classmethod
+    def of(cls, x: FloatArray, y: FloatArray, breaks: IntArray) -> Chain:
+        """The chain with these vertices (n, p)."""
+        return cls(x, y, _slopes(x, y), breaks)
 
     def flipped(self) -> Chain:
         """The chain with y turned over."""

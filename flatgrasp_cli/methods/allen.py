@@ -37,7 +37,7 @@ def point_fingers(
         "immobilising", len(grasps), "no two points hold this outline without friction; a convex one has none that do"
     )
     tip, touched = np.full(len(grasps), surroundings.lowest_m), np.full((len(grasps), 2), gripper.finger_width_m)
-    return grasps.having(tip=tip, touch=tip, touched_m=touched).select(np.arange(min(top, len(grasps))))
+    return grasps.having(tip=tip, touch=tip, touched_m=touched).first(top)
 
 
 def point_finger_grasps(silhouette: Silhouette, center: FloatArray, settings: CagingSettings) -> GraspCandidates:

@@ -126,6 +126,10 @@ class GraspCandidates:
         """The pairs that `keep`, a mask or an index array, names."""
         return _select(self, keep)
 
+    def first(self, count: int) -> GraspCandidates:
+        """The first `count` pairs, or all of them if there are fewer."""
+        return self.select(np.arange(min(count, len(self))))
+
     def having(self, **columns: Any) -> GraspCandidates:
         """The same pairs with these columns filled in."""
         return replace(self, **columns)

@@ -6,7 +6,7 @@ import numpy as np
 
 from flatgrasp_cli.funnel import Funnel
 from flatgrasp_cli.geometry.arrays import FloatArray, chunks
-from flatgrasp_cli.geometry.chain import Chain, closed_chain, slopes
+from flatgrasp_cli.geometry.chain import Chain, closed_chain
 from flatgrasp_cli.geometry.polygon import in_frames
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates, Silhouette
 from flatgrasp_cli.planner.grasping_range import extents, half_widths
@@ -69,7 +69,7 @@ def swept_fit(
     pads, room = np.empty((2, len(grasps))), np.empty((2, len(grasps)))
     for part in chunks(len(grasps), len(points)):
         x, y = in_frames(points, grasps.middle[part], grasps.axis[part])
-        boundary = Chain(x, y, slopes(x, y), breaks)
+        boundary = Chain.of(x, y, breaks)
         for side, seen in ((0, boundary.flipped()), (1, boundary)):
             pads[side, part], room[side, part] = _jaw_fit(
                 seen, level[side, part], gripper.jaws[side], gripper.finger_width_m

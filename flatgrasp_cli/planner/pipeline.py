@@ -55,7 +55,7 @@ def section_three(
     grasps = grasps.having(cost=grasp_cost(fingers, grasps, shape, settings.gravity) + surroundings.cost(grasps))
     grasps = grasps.select(best_first(grasps))
     trace.ranked, trace.gravity_distance_m = np.column_stack([grasps.i, grasps.j]), grasps.gravity_distance
-    return touching(grasps.select(np.arange(min(top, len(grasps)))), fingers, gripper, settings.hand)
+    return touching(grasps.first(top), fingers, gripper, settings.hand)
 
 
 def _fingers(shape: PlaneShape, gripper: Gripper, settings: PlannerSettings, funnel: Funnel) -> FingerCandidates:

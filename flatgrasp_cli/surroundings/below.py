@@ -7,7 +7,7 @@ import numpy as np
 from flatgrasp_cli.funnel import Miss
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
-from flatgrasp_cli.geometry.polygon import dot, left_normal
+from flatgrasp_cli.geometry.polygon import in_frames, left_normal
 from flatgrasp_cli.model import GraspCandidates
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import HandSettings
@@ -99,13 +99,11 @@ def under_palm(
     tall = tall[np.argsort(-tall[:, 2], kind="stable")]
     if len(tall) == 0:
         return highest  # fingers longer than anything here is high
-    across = left_normal(axis)
     for first in range(0, len(middle), size := max(1, MAX_PAIRS // len(tall))):
         part = slice(first, first + size)
-        x = across[part] @ tall[:, :2].T - dot(across[part], middle[part])[:, None]
-        y = axis[part] @ tall[:, :2].T - dot(axis[part], middle[part])[:, None]
+        x, y = in_frames(tall[:, :2], middle[part], axis[part])
         inside = (np.abs(x) <= reach[0]) & (np.abs(y) <= reach[1])
-        highest[part] = np.where(inside.any(axis=1), tall[inside.argmax(axis=1), 2], UNSEEN)
+        highest[part] = np.where(inside.any(axis=0), tall[inside.argmax(axis=0), 2], UNSEEN)
     return highest
 
 

@@ -24,7 +24,7 @@ from flatgrasp_cli.surroundings.interface import Surroundings
 from flatgrasp_cli.surroundings.maps import HeightMaps
 from flatgrasp_cli.surroundings.on_support import OnSupport
 from flatgrasp_cli.surroundings.sight import BEHIND_M
-from flatgrasp_cli.surroundings.slices import Slice, lowest_tip, slices, top_of
+from flatgrasp_cli.surroundings.slices import Slice, slices
 from flatgrasp_cli.surroundings.view import View
 
 PALM_CELL_M = 0.005
@@ -105,17 +105,16 @@ def _slices(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, setting
     highest = others.raised(local)
     coarse = HeightMap.of(np.concatenate([local, obstacles]), max(PALM_CELL_M, cell_m))
     average = highest.averaged(local)
-    lowest = float(lowest_tip(top_of(local[:, 2]), settings.depth))
+    lowest, *upper = slices(local, cell_m, settings.depth)
     around = OnSupport(
-        level_m=lowest,
-        lowest_m=lowest,
+        level_m=lowest.level_m,
+        lowest_m=lowest.level_m,
         ground_m=settings.depth.min_clearance_m,
         maps=HeightMaps(surface=average, average=average, rest=others, highest=highest, coarse=coarse),
         view=_view(cloud, frame, cell_m),
         settings=settings,
     )
     whole = Place(box=box, frame=frame, points=cloud.points, surroundings=around, spacing_m=spacing_m)
-    _, *upper = slices(local, cell_m, settings.depth)
     return [whole, *(_above(whole, around, local, piece) for piece in upper)]
 
 

@@ -43,6 +43,16 @@ sys.meta_path.insert(0, Finder())
 """
 """Turns a KeyboardInterrupt within an import into an ImportError, as the start of C extensions does."""
 
+REMOVES = """
+import shutil, signal
+real = shutil.rmtree
+def rmtree(*arguments, **options):
+    signal.raise_signal(signal.SIGINT)
+    real(*arguments, **options)
+shutil.rmtree = rmtree
+"""
+"""Gets its KeyboardInterrupt while a temporary folder is being removed."""
+
 FORGETS = """
 import signal
 class Forgets:
@@ -92,6 +102,13 @@ def test_any_moment_ends_with_130_and_one_line(delay_ms: int, compressed: Path, 
     assert (process.returncode, err.strip()) in {(130, "flatgrasp: interrupted"), (0, "")}  # done in time
     assert process.returncode == 130 or delay_ms > 100
     assert all(path.name.startswith("table_scene.grasps.") for path in tmp_path.iterdir())  # no draft, no spool
+
+
+def test_a_temporary_folder_is_removed_before_it_ends(compressed: Path, tmp_path: Path) -> None:
+    process = start("plan", compressed, folder=tmp_path, more=REMOVES)
+    _, err = process.communicate(timeout=60)
+    assert (process.returncode, err.strip()) == (130, "flatgrasp: interrupted")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_second_one_ends_it_on_the_spot(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from flatgrasp_cli.geometry import polygon
 from flatgrasp_cli.geometry.alpha_shape import alpha_region
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
-from flatgrasp_cli.geometry.chain import Chain, closed_chain, slopes
+from flatgrasp_cli.geometry.chain import Chain, closed_chain
 from flatgrasp_cli.geometry.frames import Frame, quaternion_from_axes
 from flatgrasp_cli.geometry.range_image import RangeImage
 from flatgrasp_cli.geometry.rectangle import minimum_area_axis
@@ -105,7 +105,7 @@ def test_rays_agree_with_the_crossing_number(seed: int) -> None:
 def chain_of(*loops: FloatArray, shift: float = 0.0) -> Chain:
     points, breaks = closed_chain(loops)
     x, y = points[:, :1] - shift, points[:, 1:]
-    return Chain(x, y, slopes(x, y), breaks)
+    return Chain.of(x, y, breaks)
 
 
 def test_edges_are_clipped_to_a_strip() -> None:

@@ -18,7 +18,7 @@ from flatgrasp_cli.model import Cloud, Grasp, ObjectPlan, Source
 from flatgrasp_cli.planning import plan_object
 from flatgrasp_cli.profiles import Gripper
 from flatgrasp_cli.scene import segment
-from flatgrasp_cli.surroundings.slices import lowest_tip, slices
+from flatgrasp_cli.surroundings.slices import lowest_tip
 from tests.conftest import EACH, MM, SAMPLES, TABLE, Box, Camera, Solid, Tube
 
 ABOVE = Camera(pixels=(320, 240), focal=420.0)
@@ -115,42 +115,12 @@ class TestHeightMap:
             assert chart.over(*points[k, :2]) == points[mates, 2].max()
 
 
-class TestSlices:
-    @staticmethod
-    def heap() -> FloatArray:
-        """A plate of 100 × 100 × 30 mm with a tower of 30 × 30 × 50 mm on it, as points 1 mm apart."""
-        x, y = np.meshgrid(np.arange(-50, 51) * MM, np.arange(-50, 51) * MM)
-        z = np.where((np.abs(x) <= 15 * MM) & (np.abs(y) <= 15 * MM), 80 * MM, 30 * MM)
-        return np.column_stack([x.ravel(), y.ravel(), z.ravel()])
-
-    def test_the_whole_comes_first_and_then_what_stands_out(self) -> None:
-        whole, *tower = slices(self.heap(), 2 * MM, DEPTH)
-        assert len(whole.rows) == 101**2
-        assert whole.level_m == DEPTH.table_clearance_m
-        assert [len(piece.rows) for piece in tower] == [31**2, 31**2]  # close above the plate, and a step higher
-        assert 30 * MM < tower[0].level_m <= 30 * MM + DEPTH.slice_step_m
-        assert tower[1].level_m == pytest.approx(tower[0].level_m + DEPTH.slice_step_m)
-
-    def test_a_block_is_one_slice(self) -> None:
-        block = self.heap()
-        block[:, 2] = 60 * MM
-        assert len(slices(block, 2 * MM, DEPTH)) == 1
-
-    def test_two_towers_are_two_parts(self) -> None:
-        points = self.heap()
-        points[:, 2] = np.where(np.abs(np.abs(points[:, 0]) - 0.03) < 0.011, 80 * MM, 30 * MM)
-        whole, *towers = slices(points, 2 * MM, DEPTH)
-        assert len(towers) == 4
-        for left, right in (towers[:2], towers[2:]):
-            assert points[left.rows, 0].max() < 0 < points[right.rows, 0].min()
-        assert len(whole.rows) == len(points)
-
-    def test_the_lowest_tip_leaves_the_clearance_or_a_share_of_a_low_object(self) -> None:
-        clearance, least, share = DEPTH.table_clearance_m, DEPTH.min_clearance_m, DEPTH.low_object_share
-        assert lowest_tip(0.1, DEPTH) == clearance
-        pen = 0.5 * (least + clearance) / share
-        assert lowest_tip(pen, DEPTH) == pytest.approx(share * pen)
-        assert lowest_tip(0.001, DEPTH) == least
+def test_the_lowest_tip_leaves_the_clearance_or_a_share_of_a_low_object() -> None:
+    clearance, least, share = DEPTH.table_clearance_m, DEPTH.min_clearance_m, DEPTH.low_object_share
+    assert lowest_tip(0.1, DEPTH) == clearance
+    pen = 0.5 * (least + clearance) / share
+    assert lowest_tip(pen, DEPTH) == pytest.approx(share * pen)
+    assert lowest_tip(0.001, DEPTH) == least
 
 
 class TestDepth:

@@ -13,9 +13,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
-from flatgrasp_cli.geometry.chain import Chain, closed_chain, slopes
-from flatgrasp_cli.geometry.polygon import dot, left_normal
+from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
+from flatgrasp_cli.geometry.chain import Chain, closed_chain
+from flatgrasp_cli.geometry.polygon import in_frames
 from flatgrasp_cli.model import Tolerance
 from flatgrasp_cli.proof.caging.hands import Box, Hands
 
@@ -28,22 +28,20 @@ MOST_TURN = 0.5 * np.pi
 def tolerances(loops: Sequence[FloatArray], hands: Hands, boxes: Sequence[Box]) -> tuple[Tolerance, ...]:
     """How far each of k hands may miss the region `loops` so that its `boxes` stay off it."""
     points, breaks = closed_chain(loops)
-    x = points @ left_normal(hands.axis).T - dot(left_normal(hands.axis), hands.center)
-    y = points @ hands.axis.T - dot(hands.axis, hands.center)
-    position = _clearance(x, y, breaks, boxes)
+    outline = Chain.of(*in_frames(points, hands.center, hands.axis), breaks)
+    position = _clearance(outline, boxes)
     free = position > TOUCH_M
     position = np.where(free, position, 0.0)
-    along, across = np.where(free, _shifts(x, y, breaks, boxes), 0.0)
+    along, across = np.where(free, _shifts(outline, boxes), 0.0)
     lever = np.max([np.hypot(corner_x, corner_y) for box in boxes for corner_x, corner_y in box.corners], axis=0)
-    turn = np.where(free, _turn(Chain(x, y, slopes(x, y), breaks), boxes, lever, position), 0.0)
+    turn = np.where(free, _turn(outline, boxes, lever, position), 0.0)
     figures = np.column_stack([position, along, across, np.degrees(turn), lever])
     return tuple(Tolerance(*row) for row in figures.tolist())
 
 
-def _shifts(x: FloatArray, y: FloatArray, breaks: IntArray, boxes: Sequence[Box]) -> FloatArray:
+def _shifts(outline: Chain, boxes: Sequence[Box]) -> FloatArray:
     """How far (2, k) all boxes can move either way along y, and along x, until one touches."""
-    outline, turned = Chain(x, y, slopes(x, y), breaks), []
-    least = np.full((2, x.shape[1]), np.inf)
+    turned, least = [], np.full((2, outline.x.shape[1]), np.inf)
     for box in boxes:
         meets, lowest, highest = outline.clipped(box.low, box.high)
         apart = np.maximum(lowest - box.far, box.near - highest)
@@ -51,17 +49,16 @@ def _shifts(x: FloatArray, y: FloatArray, breaks: IntArray, boxes: Sequence[Box]
     for box in boxes:
         middle = 0.5 * (box.near + box.far)  # strips as wide as each hand's box: seen in units of it
         scale = 0.5 * (box.far - box.near)
-        level = (y - middle) / scale
-        meets, lowest, highest = Chain(level, x, slopes(level, x), breaks).clipped(-1.0, 1.0)
+        aside = Chain.of((outline.y - middle) / scale, outline.x, outline.breaks)
+        meets, lowest, highest = aside.clipped(-1.0, 1.0)
         apart = np.maximum(lowest - box.high, box.low - highest)
         turned.append(np.where(meets, apart, np.inf).min(axis=0))
     least[1] = np.min(turned, axis=0)
     return np.asarray(np.maximum(least, 0.0))
 
 
-def _clearance(x: FloatArray, y: FloatArray, breaks: IntArray, boxes: Sequence[Box]) -> FloatArray:
-    """Distance (k,) of the outline x, y (n, k) to the nearest of the boxes; 0 if they overlap."""
-    outline = Chain(x, y, slopes(x, y), breaks)
+def _clearance(outline: Chain, boxes: Sequence[Box]) -> FloatArray:
+    """Distance (k,) of the outline to the nearest of the boxes; 0 if they overlap."""
     return np.asarray(np.min([np.where(_overlap(outline, box), 0.0, _gap(outline, box)) for box in boxes], axis=0))
 
 
@@ -103,7 +100,7 @@ def _turn(
     for _ in range(TURNS):
         angle = np.minimum(angle + left / lever, MOST_TURN)
         cosine, sine = np.cos(angle), way * np.sin(angle)
-        left = _clearance(cosine * x + sine * y, cosine * y - sine * x, outline.breaks, both)
+        left = _clearance(Chain.of(cosine * x + sine * y, cosine * y - sine * x, outline.breaks), both)
         if (left < LEFT_M).all():
             break
     return np.asarray(angle.reshape(2, -1).min(axis=0))
