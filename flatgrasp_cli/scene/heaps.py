@@ -149,9 +149,9 @@ class Heap:
         least_m = self.settings.least_part_m
         compact = _length_m(self.points[rows]) <= LONGEST_WHOLE_M
         limits = Limits(self.settings.seam_deg, least_m, neck_m=least_m if compact else 0.0)
-        names = pieces(
-            self.points[rows], self.viewpoint, self.clusters.floor.spacing_m, self.plane.noise_m, limits=limits
-        )
+        points, floor = self.points[rows], self.clusters.floor
+        heights = self.plane.heights(points)
+        names = pieces(points, heights, self.viewpoint, floor.spacing_m, self.plane.noise_m, limits=limits)
         order = np.argsort(names, kind="stable")
         return np.split(rows[order], np.flatnonzero(np.diff(names[order])) + 1)
 

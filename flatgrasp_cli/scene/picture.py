@@ -18,8 +18,8 @@ there is the end of a table, or of a thing that stands out."""
 MARGIN_SHARE = 0.07
 """Of an image's width and height sensors leave this much empty at a side: stereo cameras up to 0.06."""
 LEAST_POINTS = 8
-SAMPLE = 6_000
-"""Points of a picture that tell where it ends: some 50 lie along each side."""
+SAMPLE, TURN_STRIDE = 6_000, 4
+"""Points of a picture that tell where it ends: some 50 lie along each side; and which of them tell how it is turned."""
 
 
 def cut_off(cloud: Cloud, viewpoint: FloatArray, members: tuple[IntArray, ...], spacing_m: float) -> tuple[bool, ...]:
@@ -37,7 +37,7 @@ def cut_off(cloud: Cloud, viewpoint: FloatArray, members: tuple[IntArray, ...], 
     else:
         x, y, depth = image_of(cloud.points[np.concatenate([sample, rows])], viewpoint)
         both = np.column_stack([x, y]) * (float(np.median(depth)) / spacing_m)
-        _, _, turn = cv2.minAreaRect(cv2.convexHull(both[: len(sample)].astype(np.float32)))
+        _, _, turn = cv2.minAreaRect(cv2.convexHull(both[: len(sample) : TURN_STRIDE].astype(np.float32)))
         c, s = np.cos(np.radians(turn)), np.sin(np.radians(turn))
         picture, own = np.split(both @ np.array([[c, -s], [s, c]]), [len(sample)])
         limits = np.full(2, np.inf), np.full(2, -np.inf)

@@ -9,6 +9,7 @@ from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Cloud, ObjectCloud, Scene, Sensor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.clusters import find_clusters
+from flatgrasp_cli.scene.faint import without_faint
 from flatgrasp_cli.scene.heaps import Heap
 from flatgrasp_cli.scene.objects import objects_of, overlook
 from flatgrasp_cli.scene.selection import cropped, selected
@@ -50,7 +51,9 @@ def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
         if settings.mode == "auto":
             return _alone(cloud.points, sensor, settings.up)
         return Scene(None, (), cloud.points, NO_PLANE)
-    heap = Heap(cloud.points, clusters, plane, overlook(cloud.points, sensor, plane), settings=settings)
+    viewpoint = overlook(cloud.points, sensor, plane)
+    clusters = without_faint(cloud.points, clusters, plane, viewpoint)
+    heap = Heap(cloud.points, clusters, plane, viewpoint, settings=settings)
     container = heap.container()
     small = clusters.extent_m <= settings.max_size_m and container is None
     if settings.mode == "auto" and small and (not clusters.lie_on_table or _goes_on_below(cloud.points, plane)):

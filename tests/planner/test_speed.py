@@ -26,7 +26,7 @@ from flatgrasp_cli.geometry.alpha_shape import alpha_region
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 from flatgrasp_cli.geometry.sampling import spread_indices
-from flatgrasp_cli.model import Grasp
+from flatgrasp_cli.model import Grasp, GraspCandidates
 from flatgrasp_cli.planner import silhouette
 from flatgrasp_cli.planning import objects
 from flatgrasp_cli.profiles import Gripper
@@ -103,15 +103,18 @@ def test_the_spacing_is_that_of_the_six_nearest_neighbours() -> None:
     assert spacing.spacing(points) == pytest.approx(np.quantile(distances, spacing.SPACING_QUANTILE), rel=0.01)
 
 
-def plain_palm(middle: FloatArray, axis: FloatArray, chart: HeightMap, least_m: float, gripper: Gripper) -> FloatArray:
-    """The highest cell under each palm, pair by pair and cell by cell."""
-    highest = np.full(len(middle), UNSEEN)
-    half = 0.5 * (np.array([gripper.hand_width_m, gripper.palm_m]) + chart.cell_m)
-    for k, (centre, along) in enumerate(zip(middle, axis, strict=True)):
+def plain_palm(
+    grasps: GraspCandidates, openings: FloatArray, chart: HeightMap, least_m: float, gripper: Gripper
+) -> FloatArray:
+    """The highest cell under each hand at each of its openings, one by one and cell by cell."""
+    highest, axis = np.full(openings.shape, UNSEEN), grasps.axis
+    for (m, k), opening in np.ndenumerate(openings):
+        breadth = max(gripper.palm_m, opening + 2 * gripper.root_m)
+        half = 0.5 * (np.array([gripper.hand_width_m, breadth]) + chart.cell_m)
         for x, y, height in chart.higher_than(least_m):
-            away = np.array([x, y]) - centre
-            if abs(away @ [-along[1], along[0]]) <= half[0] and abs(away @ along) <= half[1]:
-                highest[k] = max(highest[k], height)
+            away = np.array([x, y]) - grasps.center[k]
+            if abs(away @ [-axis[k][1], axis[k][0]]) <= half[0] and abs(away @ axis[k]) <= half[1]:
+                highest[m, k] = max(highest[m, k], height)
     return highest
 
 

@@ -8,8 +8,9 @@ import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.scene.parting.joints import held_together
 from flatgrasp_cli.scene.parting.seams import seam_cells, surface_normals
-from flatgrasp_cli.scene.parting.view_grid import ViewGrid, shifted
+from flatgrasp_cli.scene.parting.view_grid import DOWN, RIGHT, SIDES, ViewGrid, shifted
 
 LEAST_CELL_M = 0.003
 """Of cells; a finger's width holds a few of them."""
@@ -17,8 +18,6 @@ POINTS_ACROSS = 2.0
 """Points along a cell's side, at least, so that hardly one is empty."""
 SURE_SIGMAS = 4.0
 """A bend is told from noise by so many of its standard deviations."""
-DOWN, RIGHT = (1, 0), (0, 1)
-SIDES = (DOWN, RIGHT, (-1, 0), (0, -1))
 CORE_CELLS = 6
 """Cells of a piece, at least, that lie in no seam: fewer may be noise."""
 LEAST_CELLS = 30
@@ -40,18 +39,29 @@ class Limits:
     neck_m: float = 0.0
 
 
-def pieces(points: FloatArray, viewpoint: FloatArray, spacing_m: float, noise_m: float, limits: Limits) -> IntArray:
-    """Names (n,), positive, of the pieces of the surface that `points` (n, 3) lie on.
+def pieces(
+    points: FloatArray,
+    heights: FloatArray,
+    viewpoint: FloatArray,
+    spacing_m: float,
+    noise_m: float,
+    limits: Limits,
+) -> IntArray:
+    """Names (n,), positive, of the pieces of the surface that `points` (n, 3) at `heights` (n,) lie on.
 
     The points lie `spacing_m` apart and scatter by `noise_m` along the ray from `viewpoint` (3,).
     """
     cell_m = max(LEAST_CELL_M, POINTS_ACROSS * spacing_m, fitting_cell_m(spacing_m, noise_m, limits.seam_deg))
-    grid = ViewGrid.of(points, viewpoint, cell_m, noise_m)
+    grid = ViewGrid.of(points, heights, viewpoint, cell_m, noise_m)
     normals, has_normal = surface_normals(grid)
     names = _connected(grid, has_normal & ~seam_cells(grid, normals, has_normal, limits.seam_deg))
-    names = _flooded(grid, _of_size(names, CORE_CELLS), normals)
-    names = _flooded(grid, _of_size(names, max(LEAST_CELLS, (limits.least_m / grid.cell_m) ** 2)), normals)
-    return np.asarray(grid.of_points(_over_necks(grid, _nearest(names), limits.neck_m)))
+    for least_cells in (CORE_CELLS, max(LEAST_CELLS, (limits.least_m / grid.cell_m) ** 2)):
+        names = _of_size(names, least_cells)
+        if np.count_nonzero(np.bincount(names.ravel())[1:]) < 2:
+            return np.ones(len(points), dtype=np.intp)
+        names = _flooded(grid, names, normals)
+    names = _over_necks(grid, _nearest(names), limits.neck_m)
+    return np.asarray(grid.of_points(held_together(grid, names)))
 
 
 def _over_necks(grid: ViewGrid, names: IntArray, neck_m: float) -> IntArray:
@@ -119,17 +129,21 @@ def _flooded(grid: ViewGrid, names: IntArray, normals: FloatArray) -> IntArray:
     Of its neighbours a cell joins the one whose plane, by `normals` (3, rows, columns) from beyond the seam, it lies
     nearest to.
     """
-    places = grid.places()
+    places = grid.places().reshape(3, -1)
+    flat, turned = names.ravel().copy(), normals.reshape(3, -1).copy()
+    sides = [(down * names.shape[1] + right, grid.smooth_to((down, right)).ravel()) for down, right in SIDES]
+    waiting = np.flatnonzero(grid.known.ravel() & (flat == 0))
     for _ in range(MOST_FLOODS):
-        waiting = grid.known & (names == 0)
-        spread, turned, least = names.copy(), normals.copy(), np.full(names.shape, np.inf)
-        for step in SIDES:
-            name, normal = shifted(names, step), shifted(normals, step)
-            off = np.abs(((places - shifted(places, step)) * normal).sum(axis=0))
-            closer = waiting & (name > 0) & grid.smooth_to(step) & (off < least)
-            spread[closer], least[closer] = name[closer], off[closer]
-            turned[:, closer] = normal[:, closer]
-        if (spread == names).all():
+        nearest, least = np.full(len(waiting), -1), np.full(len(waiting), np.inf)
+        for offset, smooth in sides:
+            there = waiting + offset
+            off = np.abs(((places[:, waiting] - places[:, there]) * turned[:, there]).sum(axis=0))
+            closer = (flat[there] > 0) & smooth[waiting] & (off < least)
+            nearest[closer], least[closer] = there[closer], off[closer]
+        joined = nearest >= 0
+        if not joined.any():
             break
-        names, normals = spread, turned
-    return names
+        own, from_there = waiting[joined], nearest[joined]
+        flat[own], turned[:, own] = flat[from_there], turned[:, from_there]
+        waiting = waiting[~joined]
+    return flat.reshape(names.shape)

@@ -40,13 +40,16 @@ def surface_normals(grid: ViewGrid) -> tuple[FloatArray, BoolArray]:
     """
     inverse = np.where(grid.known, 1.0 / np.where(grid.known, grid.depth, 1.0), 0.0)
     x, y = np.where(grid.known, grid.x, 0.0), np.where(grid.known, grid.y, 0.0)
-    count = grid.known.astype(np.float64)
-    sums = np.zeros((8, *grid.known.shape))
+    values = np.stack([x, y, inverse])
+    count, sums = grid.known.astype(np.float64), np.zeros((8, *grid.known.shape))
     for step in neighbours():
         seen = grid.smooth_to(step)
-        du, dv, dw = (np.where(seen, shifted(values, step) - values, 0.0) for values in (x, y, inverse))
         count += seen
-        sums += [du, dv, dw, du * du, du * dv, dv * dv, du * dw, dv * dw]
+        du, dv, dw = off = (shifted(values, step) - values) * seen
+        sums[:3] += off
+        sums[3] += du * du
+        sums[4:6] += dv * off[:2]
+        sums[6:] += dw * off[:2]
     u, v, w, uu, uv, vv, uw, vw = sums
     count = np.maximum(count, 1.0)
     uu, uv, vv = uu - u * u / count, uv - u * v / count, vv - v * v / count

@@ -23,6 +23,9 @@ MOST_ASIDE, LEAST_AHEAD = 4.0, 0.1
 Nor is there of those that are nearer than this share of the distance to most."""
 
 Step = tuple[int, int]
+DOWN: Step = (1, 0)
+RIGHT: Step = (0, 1)
+SIDES = (DOWN, RIGHT, (-1, 0), (0, -1))
 T = TypeVar("T", bound=np.generic)
 
 
@@ -30,8 +33,9 @@ T = TypeVar("T", bound=np.generic)
 class ViewGrid:
     """Square cells of a central projection, each with the mean of the nearest points that it holds.
 
-    `x`, `y` (rows, columns) are the image's coordinates of that mean, at distance 1 before the viewpoint, and `depth`
-    is how far it lies along the line of sight; `known` says where there is one. `cell` (n,) is the flat index of each
+    `x`, `y` (rows, columns) are the image's coordinates of that mean, at distance 1 before the viewpoint, `depth` is
+    how far it lies along the line of sight, and `height` how high over the support plane; `known` says where there is
+    one. `cell` (n,) is the flat index of each
     point's cell and `point_depth` (n,) its own depth. A cell is `cell_m` wide where the points are, and `jump_m` is the
     most that the depth of a seen surface changes from one cell to the next.
     """
@@ -39,6 +43,7 @@ class ViewGrid:
     x: FloatArray
     y: FloatArray
     depth: FloatArray
+    height: FloatArray
     known: BoolArray
     cell: IntArray
     point_depth: FloatArray
@@ -46,8 +51,13 @@ class ViewGrid:
     jump_m: float
 
     @classmethod
-    def of(cls, points: FloatArray, viewpoint: FloatArray, cell_m: float, noise_m: float) -> ViewGrid:
-        """The image of `points` (n, 3) from `viewpoint` (3,), whose noise along the line of sight is `noise_m`."""
+    def of(
+        cls, points: FloatArray, heights: FloatArray, viewpoint: FloatArray, cell_m: float, noise_m: float
+    ) -> ViewGrid:
+        """The image of `points` (n, 3) at `heights` (n,) from `viewpoint` (3,).
+
+        Their noise along the line of sight is `noise_m`.
+        """
         x, y, point_depth = image_of(points, viewpoint)
         distance = float(np.median(point_depth))
         pitch = cell_m / distance
@@ -60,11 +70,14 @@ class ViewGrid:
         nearest = np.full(raster.size, np.inf)
         np.minimum.at(nearest, cell, point_depth)
         front = np.flatnonzero(point_depth < nearest[cell] + jump_m)
-        x, y, depth = (raster.mean(cell[front], values[front], np.inf) for values in (x, y, point_depth))
+        x, y, depth, height = (
+            raster.mean(cell[front], values[front], np.inf) for values in (x, y, point_depth, heights)
+        )
         return cls(
             x=x,
             y=y,
             depth=depth,
+            height=height,
             known=np.isfinite(depth),
             cell=cell,
             point_depth=point_depth,
