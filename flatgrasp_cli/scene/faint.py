@@ -51,7 +51,7 @@ def without_faint(points: FloatArray, clusters: Clusters, plane: SupportPlane, v
 
 
 def _at_edge_share(own: FloatArray, standing: FloatArray, viewpoint: FloatArray, reach: float) -> float:
-    """Share of the points `own` (k, 3) that are seen no farther than `reach` beside a nearer one of `standing` (n, 3)."""
+    """Share of the points `own` (k, 3) seen within an angle `reach` of a nearer one of those `standing` (n, 3)."""
     x, y, depth = image_of(np.concatenate([own, standing]), viewpoint)
     (x, others_x), (y, others_y), (depth, others_depth) = (np.split(values, [len(own)]) for values in (x, y, depth))
     near = (others_x > x.min() - reach) & (others_x < x.max() + reach) & (others_depth < depth.max() - NEARER_M)
