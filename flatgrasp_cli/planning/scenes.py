@@ -124,10 +124,10 @@ def _table_tilted(support: SupportPlane | None) -> tuple[CloudWarning, ...]:
     return (CloudWarning("table_tilted", text),)
 
 
-def _best_first(item: ObjectPlan) -> tuple[bool, bool, float, int]:
-    """Objects in the order of their best grasps, what the picture cuts off after the others.
+def _best_first(item: ObjectPlan) -> tuple[bool, bool, bool, float, int]:
+    """The order of picking: that of the objects' best grasps, but what others lie on, or the picture cuts off, later.
 
-    Those without a grasp come last, larger first.
+    Objects without a grasp come last, larger first.
     """
     cost = item.grasps[0].cost_m if item.grasps else math.inf
-    return (not item.grasps, item.object.cut_off, cost, -len(item.object.points))
+    return (not item.grasps, item.object.cut_off, bool(item.object.supports), cost, -len(item.object.points))

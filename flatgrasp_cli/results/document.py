@@ -143,6 +143,7 @@ def _object(item: ObjectPlan, plan: Plan) -> ObjectPart:
         points=len(item.object.points),
         cut_off=item.object.cut_off,
         touches_others=item.object.group is not None,
+        supports=list(item.object.supports),
         status="ok" if item.grasps else "no_grasp",
         reason=rejection.reason if rejection else None,
         remedy=remedy_of(plan, item),

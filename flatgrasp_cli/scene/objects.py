@@ -11,6 +11,7 @@ from flatgrasp_cli.model import Cloud, ObjectCloud, Sensor, SupportPlane
 from flatgrasp_cli.scene.clusters import Clusters
 from flatgrasp_cli.scene.heaps import LONGEST_WHOLE_M
 from flatgrasp_cli.scene.picture import cut_off
+from flatgrasp_cli.scene.stacking import supported_by
 from flatgrasp_cli.scene.support_plane import looks_down
 
 NEAR_M = 0.2
@@ -36,9 +37,10 @@ def objects_of(
     places = [np.arange(end - len(own), end) for own, end in zip(clusters.members, ends, strict=True)]
     groups = clusters.groups or (None,) * len(places)
     around = _Around(standing, sensor, plane, clusters)
+    carried = supported_by(cloud.points, clusters.members, clusters.floor)
     cut = cut_off(cloud, overlook(cloud.points, sensor, plane), clusters.members, clusters.floor.spacing_m)
     objects = tuple(
-        replace(around.object(index, place), group=groups[index], cut_off=cut[index])
+        replace(around.object(index, place), group=groups[index], cut_off=cut[index], supports=carried[index])
         for index, place in enumerate(places)
     )
     wholes = []

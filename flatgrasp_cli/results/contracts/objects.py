@@ -98,6 +98,8 @@ class ObjectPart(Part):
     """Whether the edge of the picture cuts it off, so that it may go on where the sensor did not look."""
     touches_others: bool
     """Whether it was told apart from others that it touches."""
+    supports: list[int]
+    """The numbers of the objects that lie on it, as seen from above: to be grasped before it."""
     status: Status
     """Whether it has a grasp."""
     reason: str | None
