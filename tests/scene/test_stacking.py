@@ -11,7 +11,7 @@ from tests.scene.test_heaps import scene_of
 KINECT = Camera(tilt_deg=40, pixels=(400, 300), focal=525.0)
 PLATE = Box((0.0, 0.0, 0.02), (0.14, 0.12, 0.04))
 LID = Box((0.0, 0.0, 0.055), (0.07, 0.05, 0.03))
-BESIDE = Box((0.105, 0.0, 0.035), (0.07, 0.06, 0.07))
+BESIDE = Box((0.105, 0.0, 0.06), (0.07, 0.06, 0.12))
 APART = Box((-0.2, 0.0, 0.02), (0.06, 0.06, 0.04))
 
 

@@ -12,6 +12,8 @@ from flatgrasp_cli.scene.parting.view_grid import SIDES, ViewGrid, shifted
 HANGS_M = 0.015
 """A piece that was seen down to its lower edge, and that ends so high above the support plane, does not lie on it:
 noise and what the sensor loses at a foot are a third of that."""
+FOOT_CELLS = 6
+"""Cells lower than that, from which on a piece stands on the plane: fewer may hold flying points."""
 ODD_SHARE = 0.05
 """Share of a piece's cells beyond its lower and its upper end: those at an edge also hold points of what is behind."""
 HELD_M = 0.005
@@ -53,30 +55,38 @@ def held_together(grid: ViewGrid, names: IntArray) -> IntArray:
     cells = np.maximum(np.bincount(names.ravel(), minlength=count), 1)
     height = np.where(grid.known, grid.height, 0.0).ravel()
     middle = np.bincount(names.ravel(), weights=height, minlength=count) / cells
+    feet = np.bincount(names.ravel(), weights=height < HANGS_M, minlength=count)
+    hangs = (feet < FOOT_CELLS) & (borders.hidden <= COVERED * borders.edge)
     low, high = np.full((2, count), np.nan)
     meeting = (np.flatnonzero(borders.met[1:].any(axis=1)) + 1).tolist()
     for name in meeting:
         low[name], high[name] = np.quantile(height[names.ravel() == name], (ODD_SHARE, 1 - ODD_SHARE))
     joined = np.arange(count)
     for name in meeting:
-        other = _whole_of(borders, name, middle, low, high)
+        other = _around(borders, name, middle, high)
+        if other is None and hangs[name]:
+            other = _held_by(borders, name, low)
         if other is not None:
             joined[joined == joined[name]] = joined[other]
     return np.asarray(joined[names])
 
 
-def _whole_of(borders: _Borders, name: int, middle: FloatArray, low: FloatArray, high: FloatArray) -> int | None:
-    """The piece that the one called `name` is a part of; None if it is a thing of its own."""
+def _around(borders: _Borders, name: int, middle: FloatArray, high: FloatArray) -> int | None:
+    """The piece that stands around the one called `name`, higher than it; None if there is none."""
     edge, met = borders.edge[name], borders.met[name]
-    around = int(met.argmax())
-    enclosed = met.sum() >= ENCLOSED * edge and met[around] >= ONE_SIDED * met.sum()
-    if enclosed and middle[name] < borders.own[name] / edge and high[name] < high[around]:
-        return around
-    beside = int(borders.smooth[name].argmax())
-    if borders.smooth[name, beside] == 0 or borders.hidden[name] > COVERED * edge or low[name] < HANGS_M:
+    other = int(met.argmax())
+    enclosed = met.sum() >= ENCLOSED * edge and met[other] >= ONE_SIDED * met.sum()
+    deeper = middle[name] < borders.own[name] / edge and high[name] < high[other]
+    return other if enclosed and deeper else None
+
+
+def _held_by(borders: _Borders, name: int, low: FloatArray) -> int | None:
+    """The piece that holds the one called `name`, which hangs; None if it lies on what it touches, or is behind it."""
+    steps = borders.smooth[name]
+    other = int(steps.argmax())
+    if 2 * steps[other] <= borders.met[name, other]:
         return None
-    held = borders.beyond[name, beside] / borders.smooth[name, beside] > low[name] + HELD_M
-    return beside if held else None
+    return other if borders.beyond[name, other] / steps[other] > low[name] + HELD_M else None
 
 
 def _borders(grid: ViewGrid, names: IntArray, count: int) -> _Borders:
