@@ -12,8 +12,9 @@ AROUND_M = 0.006
 """How far around a thing what it lies on is looked for, metres: beyond cells that hold points of both."""
 LOWER_M = 0.005
 """What a thing lies on is lower there than most of what was seen of the thing, metres."""
-ON_SHARE = 0.5
-"""Least share of what was seen around a thing that belongs to the one below it: less of that is beside it."""
+ON_SHARE = 0.4
+"""Least share of what is around a thing that shows the one below it: beside a thing it is a third at most, and half of
+what is around a thing may lie in its shadow."""
 NONE = -1
 
 
@@ -25,11 +26,10 @@ def supported_by(points: FloatArray, members: tuple[IntArray, ...], floor: Floor
     if len(members) < 2:
         return ((),) * len(members)
     owner, height = _from_above(points, members, floor)
-    seen = (owner != NONE) | (floor.levels.heights > -np.inf)
     below: list[tuple[int, ...]] = [() for _ in members]
     for name in range(len(members)):
         mine = owner == name
-        if mine.any() and (under := _under(mine, owner, height, seen, floor.levels.cell_m)) is not None:
+        if mine.any() and (under := _under(mine, owner, height, floor.levels.cell_m)) is not None:
             below[under] = (*below[under], name)
     return tuple(below)
 
@@ -47,14 +47,14 @@ def _from_above(points: FloatArray, members: tuple[IntArray, ...], floor: Floor)
     return owner.reshape(raster.shape), height.reshape(raster.shape)
 
 
-def _under(mine: BoolArray, owner: IntArray, height: FloatArray, seen: BoolArray, cell_m: float) -> int | None:
+def _under(mine: BoolArray, owner: IntArray, height: FloatArray, cell_m: float) -> int | None:
     """The member that the one whose cells are `mine` lies on."""
     reach = max(1, round(AROUND_M / cell_m))
     rows, columns = np.flatnonzero(mine.any(axis=1)), np.flatnonzero(mine.any(axis=0))
     box = tuple(slice(max(0, ends[0] - reach), ends[-1] + reach + 1) for ends in (rows, columns))
     mine, owner, height = mine[box], owner[box], height[box]
     size = 2 * reach + 1
-    ring = (cv2.dilate(mine.view(np.uint8), np.ones((size, size), np.uint8)) > 0) & ~mine & seen[box]
+    ring = (cv2.dilate(mine.view(np.uint8), np.ones((size, size), np.uint8)) > 0) & ~mine
     lower = ring & (owner != NONE) & (height < np.median(height[mine]) - LOWER_M)
     if not lower.any():
         return None
