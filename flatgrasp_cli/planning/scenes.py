@@ -125,9 +125,9 @@ def _table_tilted(support: SupportPlane | None) -> tuple[CloudWarning, ...]:
 
 
 def _best_first(item: ObjectPlan) -> tuple[bool, bool, bool, float, int]:
-    """The order of picking: that of the objects' best grasps, but what others lie on, or the picture cuts off, later.
+    """The order of picking: that of the objects' best grasps, but later what others lie on, or what lies at an edge.
 
     Objects without a grasp come last, larger first.
     """
-    cost = item.grasps[0].cost_m if item.grasps else math.inf
-    return (not item.grasps, item.object.cut_off, bool(item.object.supports), cost, -len(item.object.points))
+    cloud, cost = item.object, item.grasps[0].cost_m if item.grasps else math.inf
+    return (not item.grasps, cloud.cut_off or cloud.at_edge, bool(cloud.supports), cost, -len(cloud.points))

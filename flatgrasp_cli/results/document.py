@@ -142,6 +142,7 @@ def _object(item: ObjectPlan, plan: Plan) -> ObjectPart:
         id=item.object.id,
         points=len(item.object.points),
         cut_off=item.object.cut_off,
+        at_edge=item.object.at_edge,
         touches_others=item.object.group is not None,
         supports=list(item.object.supports),
         status="ok" if item.grasps else "no_grasp",

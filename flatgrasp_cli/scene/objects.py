@@ -10,7 +10,7 @@ from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.model import Cloud, ObjectCloud, Sensor, SupportPlane
 from flatgrasp_cli.scene.clusters import Clusters
 from flatgrasp_cli.scene.heaps import LONGEST_WHOLE_M
-from flatgrasp_cli.scene.picture import cut_off
+from flatgrasp_cli.scene.picture import at_table_edge, cut_off
 from flatgrasp_cli.scene.stacking import supported_by
 from flatgrasp_cli.scene.support_plane import looks_down
 
@@ -38,9 +38,16 @@ def objects_of(
     groups = clusters.groups or (None,) * len(places)
     around = _Around(standing, sensor, plane, clusters)
     carried = supported_by(cloud.points, clusters.members, clusters.floor)
+    at_edge = at_table_edge(cloud.points, clusters.members, clusters.floor)
     cut = cut_off(cloud, overlook(cloud.points, sensor, plane), clusters.members, clusters.floor.spacing_m)
     objects = tuple(
-        replace(around.object(index, place), group=groups[index], cut_off=cut[index], supports=carried[index])
+        replace(
+            around.object(index, place),
+            group=groups[index],
+            cut_off=cut[index],
+            at_edge=at_edge[index],
+            supports=carried[index],
+        )
         for index, place in enumerate(places)
     )
     wholes = []

@@ -1,4 +1,4 @@
-"""Where the picture ends: what it cuts off was seen in part, and nobody knows how it goes on."""
+"""Where the picture ends, and the table: what lies there was seen in part, and nobody knows how it goes on."""
 
 from __future__ import annotations
 
@@ -6,10 +6,14 @@ import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.height_map import UNSEEN
 from flatgrasp_cli.geometry.sampling import spread_indices
-from flatgrasp_cli.model import Cloud
+from flatgrasp_cli.model import Cloud, Floor
+from flatgrasp_cli.scene.masks import hull_of
 from flatgrasp_cli.scene.parting.view_grid import image_of
 
+EDGE_M = 0.05
+"""Nearer to the table's edge, metres, a hand stands half beyond it, and things are what the table ends with."""
 EDGE_PX = 4.0
 """So near to the picture's edge, in pixels, what goes on ends: sensors drop the outermost one or two."""
 STRETCHES, LEAST_STRETCHES = 16, 8
@@ -44,6 +48,18 @@ def cut_off(cloud: Cloud, viewpoint: FloatArray, members: tuple[IntArray, ...], 
     at_edge = _at_edge(picture.astype(np.float64), own.astype(np.float64), limits)
     ends = np.cumsum([len(member) for member in members])[:-1]
     return tuple(int(np.count_nonzero(part)) >= LEAST_POINTS for part in np.split(at_edge, ends))[: len(members)]
+
+
+def at_table_edge(points: FloatArray, members: tuple[IntArray, ...], floor: Floor) -> tuple[bool, ...]:
+    """Which of the `members`, indices of `points` (n, 3), lie at the edge of what was seen of the `floor`."""
+    import shapely
+
+    raster = floor.levels.raster
+    inner = hull_of(floor.levels.heights > UNSEEN).buffer(-EDGE_M / raster.cell_m)
+    middles = np.array([points[rows].mean(axis=0) for rows in members]).reshape(-1, 3)
+    x, y, _ = floor.frame.to_local(middles).T
+    row, column = np.divmod(raster.cells(x, y), raster.shape[1])
+    return tuple((~shapely.contains_xy(inner, row, column)).tolist())
 
 
 def _at_edge(picture: FloatArray, own: FloatArray, limits: tuple[FloatArray, FloatArray]) -> BoolArray:

@@ -88,8 +88,9 @@ def test_every_object_of_a_scene_has_its_number_and_its_hand(pr2: Gripper) -> No
     figure = final_figure(result)
     scene, close = figure.axes
     assert {item.object.id for item in result.objects} == {0, 1}
-    widths = {f"{item.object.id}: {1e3 * item.grasps[0].width_m:.0f} mm" for item in result.objects}
-    assert widths <= texts(scene)
+    items = zip("①②", result.objects, strict=True)
+    assert {f"{place} {item.object.id}: {1e3 * item.grasps[0].width_m:.0f} mm" for place, item in items} <= texts(scene)
+    assert caption(figure)["Order"].startswith("the numbers in circles: pick one after the other")
     assert len(fingers(scene)) == 2 * 2
     assert "2 objects on a support plane" in scene.get_title(loc="left")
     assert f"object {result.objects[0].object.id}" in close.get_title(loc="left")

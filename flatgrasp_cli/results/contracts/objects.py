@@ -96,6 +96,8 @@ class ObjectPart(Part):
     """The number of its points."""
     cut_off: bool
     """Whether the edge of the picture cuts it off, so that it may go on where the sensor did not look."""
+    at_edge: bool
+    """Whether it lies at the edge of what was seen of the support plane: such objects are picked after the others."""
     touches_others: bool
     """Whether it was told apart from others that it touches."""
     supports: list[int]
