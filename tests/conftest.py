@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import io
 import os
 import sys
@@ -23,6 +24,10 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.model import Cloud, Source
 from flatgrasp_cli.profiles import Gripper, PlannerSettings, load_gripper, load_settings
+
+# the command is started many times, and compiled once whatever this environment says
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 # machines are noisy: no test may fail for being slow, nor for its luck
 settings.register_profile("no-clock", deadline=None, derandomize=True)
@@ -70,6 +75,13 @@ def cloud_of(points: FloatArray, viewpoint: Sequence[float] = (0.0, 0.0, 1.0)) -
 def planned_sample(name: str, gripper: str = "pr2", method: str = "default") -> Plan:
     """The plan of a sample, made once for all tests that look at it."""
     return plan(next(read_clouds(SAMPLES / f"{name}.pcd")), load_gripper(gripper), load_settings(method))
+
+
+def pytest_collection_finish() -> None:
+    """Look for garbage less often, and not among the modules and tests: that would take a tenth of the time."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(20_000, 20, 20)
 
 
 @pytest.fixture(scope="session")
