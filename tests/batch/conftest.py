@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.batch.batches import FAST, LONG, batch, files, record
-from tests.cli.test_cli import slab, write_pcd
+from tests.plates import slab, write_pcd
 
 
 @pytest.fixture(scope="session")

@@ -18,8 +18,8 @@ from flatgrasp_cli.batch.inputs import find_inputs
 from flatgrasp_cli.batch.store import Store
 from flatgrasp_cli.batch.summary import chosen, summarize
 from tests.batch.batches import FAST, batch, documents, files
-from tests.cli.test_cli import slab, write_pcd
 from tests.conftest import SAMPLES, Run
+from tests.plates import slab, write_pcd
 
 
 def test_documents_are_those_of_plan(long: Path, plate: Path, run: Run) -> None:

@@ -18,8 +18,8 @@ from flatgrasp_cli.batch import run as run_module
 from flatgrasp_cli.batch.work import work as work_of_a_slice
 from flatgrasp_cli.whole_files import write_text
 from tests.batch.batches import COMMAND, FAST, documents, files
-from tests.cli.test_cli import slab, write_pcd
 from tests.conftest import SAMPLES, Ended, Run
+from tests.plates import slab, write_pcd
 
 
 @pytest.fixture

@@ -14,8 +14,8 @@ from jsonschema import Draft202012Validator, ValidationError
 
 from flatgrasp_cli.profiles import list_profiles, profile_path
 from flatgrasp_cli.results.contracts import KINDS
-from tests.cli.test_cli import slab, write_pcd
 from tests.conftest import SAMPLES, Run
+from tests.plates import slab, write_pcd
 
 Documents = list[Any]
 RECORDING = SAMPLES / "pan_ros1.bag"
