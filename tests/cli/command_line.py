@@ -2,12 +2,26 @@
 
 from __future__ import annotations
 
+import io
 import json
 import sys
+from contextlib import redirect_stdout
+from pathlib import Path
 from typing import Any
+
+import pytest
+
+from flatgrasp_cli.cli import run as run_here
 
 PNG = b"\x89PNG\r\n\x1a\n"
 COMMAND = [sys.executable, "-m", "flatgrasp_cli"]
+
+
+def called(*arguments: str | Path) -> tuple[int, str]:
+    """The exit code of the command line in this process, and what it prints, for fixtures that outlive a test."""
+    with pytest.MonkeyPatch.context() as patch, redirect_stdout(io.StringIO()) as out:
+        patch.setattr(sys, "argv", ["flatgrasp", *map(str, arguments)])
+        return run_here(), out.getvalue()
 
 
 def documents(text: str) -> list[dict[str, Any]]:

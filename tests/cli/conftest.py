@@ -6,10 +6,9 @@ import json
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 from jsonschema import Draft202012Validator
 
-from flatgrasp_cli.cli import cli
+from tests.cli.command_line import called
 from tests.plates import slab, write_pcd
 
 
@@ -28,8 +27,8 @@ def large(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def validator() -> Draft202012Validator:
     """Of documents against what `flatgrasp schema` prints."""
-    done = CliRunner().invoke(cli, ["schema"])
-    assert (done.exit_code, done.stderr) == (0, "")
-    schema = json.loads(done.stdout)
+    code, printed = called("schema")
+    assert code == 0
+    schema = json.loads(printed)
     Draft202012Validator.check_schema(schema)
     return Draft202012Validator(schema)

@@ -99,7 +99,7 @@ def test_real_documents_meet_their_schema(kind: str, tool: Tool) -> None:
 def test_what_a_batch_writes_meets_its_schemas(tool: Tool) -> None:
     broken = tool.plate.with_name("broken.pcd")
     broken.write_bytes(b"VERSION 0.7\nFIELDS x y\n")
-    sources = (tool.plate, tool.large, RECORDING, broken)
+    sources = (tool.plate, tool.large, RECORDING, broken, "--count", "1")
     assert tool.run("batch", *sources, "--out", "out", "--jobs", "1", "--plots", "--quiet").code == 3
     out, state = Path("out"), Path("out/.flatgrasp")
     tool.check("batch", [json.loads((out / "summary.json").read_text(encoding="utf-8"))])

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -148,6 +149,7 @@ def in_lines(figure: Figure, text: str, width_in: float, font: FontProperties = 
     """Words of a figure in lines no longer than `width_in` inches; a word that is longer than that is cut."""
     line = figure.text(0.0, 0.0, "", fontproperties=font, parse_math=False)
 
+    @cache
     def width(words: str) -> float:
         line.set_text(words)
         return float(line.get_window_extent().width)
