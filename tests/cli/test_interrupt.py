@@ -13,7 +13,7 @@ import pytest
 
 from flatgrasp_cli import read_clouds
 from tests.conftest import SAMPLES
-from tests.sources.test_sources import XYZ, pcd, table
+from tests.sources.pcd_ply import XYZ, pcd, table
 
 TELLS = """
 import os

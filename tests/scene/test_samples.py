@@ -28,7 +28,7 @@ def test_the_share_of_a_planes_points(monkeypatch: pytest.MonkeyPatch) -> None:
     settings = load_settings().scene.model_copy(update={"min_plane_share": 0.4})
     for seed in range(60):
         rng = np.random.default_rng(seed)
-        points = rng.uniform(-0.3, 0.3, (40_000, 3)) + [0.0, 0.0, 0.31]
+        points = rng.uniform(-0.3, 0.3, (40_000, 3)) + np.array([0.0, 0.0, 0.31])
         flat = rng.random(len(points)) < 0.5
         points[flat, 2] = rng.normal(0, 0.5 * MM, flat.sum())
         assert (
@@ -44,6 +44,6 @@ def test_the_scatter_of_a_planes_cells() -> None:
     for seed in range(60):
         ripple = np.random.default_rng(seed).normal(size=40_000)
         sample = ripple[spread_indices(len(ripple), clusters.SCATTER_SAMPLE)]
-        scatters.append(clusters.MAD_TO_SIGMA * np.median(np.abs(sample)))
+        scatters.append(support_plane.MAD_TO_SIGMA * np.median(np.abs(sample)))
     assert np.mean(scatters) == pytest.approx(1, abs=0.01)
     assert np.std(scatters) == ABOUT_1_PERCENT
