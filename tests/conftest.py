@@ -8,7 +8,7 @@ import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -180,8 +180,12 @@ class Camera:
             np.array(self.target) - self.distance * forward, np.stack([right, np.cross(forward, right), forward])
         )
 
+    @lru_cache(maxsize=64)  # noqa: B019 (cameras are few, and as small as the numbers they are made of)
     def sees(self, *solids: Solid, noise_m: float = 0.5e-3, seed: int = 0) -> Cloud:
-        """The cloud in the world's frame; `noise_m` is that of the depth at 0.8 m, growing as its square."""
+        """The cloud in the world's frame, made once for all tests that look at it.
+
+        `noise_m` is that of the depth at 0.8 m, growing as its square.
+        """
         columns, rows = self.pixels
         u, v = np.meshgrid(np.arange(columns) - 0.5 * (columns - 1), np.arange(rows) - 0.5 * (rows - 1))
         local = np.column_stack([u.ravel(), v.ravel(), np.full(u.size, self.focal)]) / self.focal
