@@ -180,21 +180,26 @@ class Camera:
             np.array(self.target) - self.distance * forward, np.stack([right, np.cross(forward, right), forward])
         )
 
-    @lru_cache(maxsize=64)  # noqa: B019 (cameras are few, and as small as the numbers they are made of)
     def sees(self, *solids: Solid, noise_m: float = 0.5e-3, seed: int = 0) -> Cloud:
-        """The cloud in the world's frame, made once for all tests that look at it.
+        """The cloud in the world's frame; `noise_m` is that of the depth at 0.8 m, growing as its square."""
+        return Cloud(_seen(self, solids, noise_m, seed).copy(), self.frame.origin, Source("test"))
 
-        `noise_m` is that of the depth at 0.8 m, growing as its square.
-        """
+    def rays(self) -> FloatArray:
+        """Those of all pixels (n, 3) in the world's frame, as long as their depth is 1."""
         columns, rows = self.pixels
         u, v = np.meshgrid(np.arange(columns) - 0.5 * (columns - 1), np.arange(rows) - 0.5 * (rows - 1))
         local = np.column_stack([u.ravel(), v.ravel(), np.full(u.size, self.focal)]) / self.focal
-        rays = local @ self.frame.axes
-        depth = np.min([solid.hit(self.frame.origin, rays) for solid in solids], axis=0)
-        rays, depth = rays[np.isfinite(depth)], depth[np.isfinite(depth)]
-        depth += np.random.default_rng(seed).normal(0.0, noise_m, len(depth)) * (depth / 0.8) ** 2
-        points = self.frame.origin + depth[:, None] * rays
-        return Cloud(points, self.frame.origin, Source("test"))
+        return local @ self.frame.axes
+
+
+@lru_cache(maxsize=64)
+def _seen(camera: Camera, solids: tuple[Solid, ...], noise_m: float, seed: int) -> FloatArray:
+    """Points (n, 3), computed once for all tests that look at the same things."""
+    rays, origin = camera.rays(), camera.frame.origin
+    depth = np.min([solid.hit(origin, rays) for solid in solids], axis=0)
+    rays, depth = rays[np.isfinite(depth)], depth[np.isfinite(depth)]
+    depth += np.random.default_rng(seed).normal(0.0, noise_m, len(depth)) * (depth / 0.8) ** 2
+    return np.asarray(origin + depth[:, None] * rays)
 
 
 @pytest.fixture(scope="session", autouse=True)
