@@ -85,7 +85,8 @@ class Page:
         """The next panel, in the plane or, if `solid`, in space."""
         self._solid.append(solid)
         axes: Axes = self.figure.add_axes(self._place(len(self._panels)), projection="3d" if solid else None)
-        axes.set_title(title, loc="left", fontsize=10)
+        # where it comes anyway: matplotlib would lay out all ticks to see that, a tenth of the time of a picture
+        axes.set_title(title, loc="left", fontsize=10, y=1.0)
         axes.tick_params(labelsize=8)
         self._panels.append(axes)
         return axes
