@@ -28,7 +28,7 @@ def test_the_share_of_a_planes_points(monkeypatch: pytest.MonkeyPatch) -> None:
     settings = load_settings().scene.model_copy(update={"min_plane_share": 0.4})
     for seed in range(40):
         rng = np.random.default_rng(seed)
-        points = rng.uniform(-0.3, 0.3, (40_000, 3)) + np.array([0.0, 0.0, 0.31])
+        points = rng.uniform(-0.3, 0.3, (20_000, 3)) + np.array([0.0, 0.0, 0.31])
         flat = rng.random(len(points)) < 0.5
         points[flat, 2] = rng.normal(0, 0.5 * MM, flat.sum())
         assert (
