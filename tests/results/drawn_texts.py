@@ -58,7 +58,10 @@ def _recorded(found: list[DrawnText]) -> Iterator[None]:
     draw = Text.draw
 
     def noted(self: Text, renderer: Any, *args: Any, **kwargs: Any) -> None:
-        draw(self, renderer, *args, **kwargs)
+        if (
+            self.get_bbox_patch() is not None
+        ):  # drawing puts it around the words; else there is nothing but pixels to do
+            draw(self, renderer, *args, **kwargs)
         if self.get_visible() and self.get_text().strip():
             found.append(DrawnText(self.get_text(), _area(self, renderer), float(self.get_fontsize())))
 
