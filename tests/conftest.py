@@ -214,6 +214,15 @@ def nobodys_defaults(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]
         yield
 
 
+@pytest.fixture
+def blank_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pictures of nothing, for tests that look at which files are written and not at what is drawn."""
+    from flatgrasp_cli.results.figures.style import new_figure
+
+    for figure in ("final_figure", "comparison.comparison_figure", "cage.cage_figure"):
+        monkeypatch.setattr(f"flatgrasp_cli.results.figures.{figure}", lambda *_, **__: new_figure(2, 1))
+
+
 class Ended(NamedTuple):
     """How a run ended: its exit code and what it printed."""
 

@@ -66,6 +66,7 @@ def test_summary_table_and_report(plate: Path, run: Run, tmp_path: Path) -> None
     assert "too wide or too narrow for the gripper (1)" in page
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_every_object_of_a_scene_is_in_the_report(run: Run) -> None:
     assert run("batch", SAMPLES / "table_scene.pcd", "-o", "out", "-j", "1", "--gripper", "pr2", "--plots").code == 0
     page = Path("out/report.html").read_text()
@@ -148,6 +149,7 @@ def test_the_table_has_a_row_for_each_object(
     assert "opens 0.090 m" in rows[1]["reason"]
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_pictures_on_request(plate: Path, run: Run) -> None:
     sources = (plate, SAMPLES / "pan_ros2", "--count", "2")
     assert run("batch", *sources, "-o", "out", "-j", "1", "--plots", "--gripper", "pr2").code == 0

@@ -141,6 +141,7 @@ def test_an_unreadable_source_spares_the_others(plate: Path, large: Path, tmp_pa
     assert f"{large}: no grasp" in done.err
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_sources_of_one_name_keep_their_own_results(plate: Path, tmp_path: Path, run: Run) -> None:
     second = write_pcd(tmp_path / "second" / "plate.pcd", slab(100, 30))
     third = write_pcd(tmp_path / "third" / "plate-2.pcd", slab(90, 50))

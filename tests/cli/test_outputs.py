@@ -64,7 +64,8 @@ def test_a_file_is_whole_or_as_it_was(tmp_path: Path) -> None:
     assert list(path.parent.iterdir()) == [path]
 
 
-@pytest.mark.parametrize("size", [0, 1000])
+@pytest.mark.usefixtures("blank_pictures")
+@pytest.mark.parametrize("size", [0, 100])
 @pytest.mark.parametrize("arguments", [("plan",), ("plan", "--plots", "stages"), ("cage",), ("compare",)], ids=" ".join)
 def test_a_full_disk_leaves_no_part_of_a_file(
     size: int, arguments: tuple[str, ...], plate: Path, tmp_path: Path, run: Run

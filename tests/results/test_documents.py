@@ -96,6 +96,7 @@ def test_real_documents_meet_their_schema(kind: str, tool: Tool) -> None:
     tool.check(kind, MADE[kind](tool))
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_what_a_batch_writes_meets_its_schemas(tool: Tool) -> None:
     broken = tool.plate.with_name("broken.pcd")
     broken.write_bytes(b"VERSION 0.7\nFIELDS x y\n")

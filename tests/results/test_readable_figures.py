@@ -57,6 +57,12 @@ def a_bar() -> Plan:
     return seen(BAR)
 
 
+@cache
+def of_a_bar() -> Figure:
+    """Its final figure."""
+    return final_figure(a_bar())
+
+
 def of_sample(name: str, gripper: str = "lacquey") -> Plan:
     (cloud,) = read_clouds(str(SAMPLES / f"{name}.pcd"))
     return plan(cloud, load_gripper(gripper))
@@ -164,7 +170,7 @@ def test_the_widths_are_beside_the_hand() -> None:
     best = result.best
     assert best is not None
     words = f"open {1e3 * best.opening_m:.1f} mm\nclosed {1e3 * best.width_m:.1f} mm"
-    scene, close = final_figure(result).axes
+    scene, close = of_a_bar().axes
     assert words in {text.get_text() for text in close.texts}
     assert words not in {text.get_text() for text in scene.texts}
 
@@ -175,7 +181,7 @@ def test_marks_of_contacts_point_at_them_from_outside() -> None:
     best = result.best
     assert best is not None
     contacts = view_of(result, UP).of_world(best.contacts)
-    marks = [line for line in final_figure(result).axes[1].lines if isinstance(line.get_marker(), Path)]
+    marks = [line for line in of_a_bar().axes[1].lines if isinstance(line.get_marker(), Path)]
     assert np.concatenate([np.asarray(mark.get_xydata()) for mark in marks]) == pytest.approx(contacts, abs=0.01)
     for mark, place, other in zip(marks, contacts, contacts[::-1], strict=True):
         corners = np.asarray(mark.get_marker().vertices)  # type: ignore[union-attr]
@@ -198,7 +204,7 @@ def test_the_frames_axes_cover_no_object(size: float) -> None:
 
 def test_obstacles_are_not_written_over() -> None:
     result = a_bar()
-    axes = final_figure(result).axes[0]
+    axes = of_a_bar().axes[0]
     (label,) = (text for text in axes.texts if text.get_text().startswith("0:"))
     x, y = 1e-3 * np.array(label.get_position())
     grid = np.stack(np.meshgrid(*(np.linspace(c - 0.02, c + 0.02, 15) for c in (x, y))), axis=-1).reshape(-1, 2)
