@@ -152,14 +152,17 @@ def test_the_rays_find_the_inside_of_a_loop_walked_backwards(pr2: Gripper) -> No
 
 
 def test_the_vote_of_the_rays_outlives_every_fifth_being_wrong() -> None:
-    """As rays that graze a vertex may be; here wrong ones end inside. They outvote the others in 4 of 10,000 cases."""
-    rng, votes, count = np.random.default_rng(0), 3000, load_settings().fingers.rays
+    """As rays that graze a vertex may be; here wrong ones end inside. They outvote the others in 4 of 10,000 cases.
+
+    With a third of the rays they would in 300, and three times as many take their time for nothing.
+    """
+    rng, votes, count = np.random.default_rng(0), 5000, load_settings().fingers.rays
     assert count % 2 == 1  # no tie
     angles = rng.uniform(0, 2 * np.pi, (votes, count))
     reach = np.where(rng.random((votes, count)) < 0.2, 0.01, 1.0)
     far = 0.05 + reach[..., None] * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
     inside = [ray_parity_inside(SQUARE, np.array([0.05, 0.05]), ends) for ends in far]
-    assert np.mean(inside) > 0.998
+    assert 0.999 < np.mean(inside) < 1
 
 
 def test_a_chord_over_the_mouth_of_a_slot_is_doubted_and_dropped(pr2: Gripper) -> None:
