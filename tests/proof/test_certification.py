@@ -18,8 +18,8 @@ from flatgrasp_cli.profiles import Gripper
 from flatgrasp_cli.proof import certified, forgiven_m, is_caged
 from flatgrasp_cli.results.figures.cage import way_out
 from flatgrasp_cli.sources.polygon import read_polygon
-from tests.cli.test_cli import write_pcd
 from tests.conftest import EACH, MM, SAMPLES, Run, cloud_of, rectangle, sampled
+from tests.plates import write_pcd
 
 IBEAM = [[-2, -1.5], [-0.75, -1.5], [-0.75, -0.5], [0.75, -0.5], [0.75, -1.5], [2, -1.5]]
 IBEAM = [*IBEAM, *[[-x, -y] for x, y in IBEAM]]
