@@ -29,7 +29,7 @@ from clocks import StageClock, milliseconds
 from flatgrasp_cli import Plan, load_gripper, load_settings, plan, read_clouds
 from flatgrasp_cli.open3d_door import load_open3d
 from flatgrasp_cli.planner import pipeline
-from flatgrasp_cli.planning import lifting, objects
+from flatgrasp_cli.planning import answers, lifting, objects
 from flatgrasp_cli.profiles import Gripper, PlannerSettings
 from flatgrasp_cli.scene import segmentation
 from flatgrasp_cli.surroundings import OnSupport
@@ -43,8 +43,8 @@ STAGES = {
     "read": (),
     "support plane": ((segmentation, "find_support_plane"),),
     "objects": ((segmentation, "find_clusters"), (segmentation, "objects_of")),
-    "surroundings": ((objects, "places"), (objects, "from_the_side")),
-    "silhouette": ((objects, "silhouette_of"),),
+    "surroundings": ((objects, "places"), (objects, "aslant"), (objects, "from_the_side")),
+    "silhouette": ((answers, "silhouette_of"),),
     "finger candidates": (
         (pipeline, "step_points"),
         (pipeline, "finger_candidates"),
@@ -63,7 +63,7 @@ STAGES = {
     ),
     "operability, depth": ((pipeline, "operable"), (OnSupport, "approached")),
     "ranking": ((pipeline, "grasp_cost"), (pipeline, "best_first"), (lifting, "_lifted")),
-    "certificates": ((objects, "certified"),),
+    "certificates": ((answers, "certified"),),
 }
 
 

@@ -46,13 +46,18 @@ class HeightMap:
         return replace(self, heights=self.raster.rimmed(heights, UNSEEN))
 
     def filled(self, other: HeightMap, frame: Frame, other_frame: Frame) -> HeightMap:
-        """The same cells with the empty ones filled from a map in another frame of the same plane."""
+        """The same cells with the empty ones filled from a map in `other_frame`, whose plane may be aslant.
+
+        Each cell takes what its axis, along z of `frame`, meets of the other plane and of the heights over it.
+        """
         rows, columns = self.raster.shape
-        along = frame.axes[:2] @ other_frame.axes[:2].T  # (2, 2): this frame's x and y in the other's
-        x, y = other_frame.to_local(frame.origin)[:2] + (self.raster.origin + 0.5 * self.cell_m) @ along
+        along = frame.axes @ other_frame.axes.T  # (3, 3): this frame's axes in the other's
+        corner = other_frame.to_local(frame.origin) + (self.raster.origin + 0.5 * self.cell_m) @ along[:2]
         down = self.cell_m * np.arange(rows)[:, None] * along[0, :, None, None]
         right = self.cell_m * np.arange(columns) * along[1, :, None, None]
-        floor = other.over(x + down[0] + right[0], y + down[1] + right[1])
+        x, y, over = corner[:, None, None] + down + right
+        way = -over / along[2, 2]
+        floor = way + other.over(x + way * along[2, 0], y + way * along[2, 1]) / along[2, 2]
         heights = np.where(self.heights == UNSEEN, floor, self.heights)
         return replace(self, heights=self.raster.rimmed(heights, UNSEEN))
 

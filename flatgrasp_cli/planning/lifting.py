@@ -21,7 +21,8 @@ from flatgrasp_cli.model import (
     SupportPlane,
 )
 from flatgrasp_cli.planner.silhouette import without_strays
-from flatgrasp_cli.planning.objects import Answer, answer_for, proved
+from flatgrasp_cli.planning.answers import Answer, proved
+from flatgrasp_cli.planning.objects import answer_for
 from flatgrasp_cli.planning.variety import differing
 from flatgrasp_cli.profiles import Gripper, PlannerSettings, Robot
 from flatgrasp_cli.proof import Certificates

@@ -5,8 +5,21 @@ fingers can stand, whether the object's thickness was seen, how far the hand can
 """
 
 from flatgrasp_cli.surroundings.alone import Alone
+from flatgrasp_cli.surroundings.aslant import Aslant, ways
 from flatgrasp_cli.surroundings.interface import Surroundings
 from flatgrasp_cli.surroundings.on_support import OnSupport
-from flatgrasp_cli.surroundings.places import Place, box_on, from_the_side, hanging_m, places
+from flatgrasp_cli.surroundings.places import Place, aslant, box_on, from_the_side, hanging_m, places
 
-__all__ = ["Alone", "OnSupport", "Place", "Surroundings", "box_on", "from_the_side", "hanging_m", "places"]
+__all__ = [
+    "Alone",
+    "Aslant",
+    "OnSupport",
+    "Place",
+    "Surroundings",
+    "aslant",
+    "box_on",
+    "from_the_side",
+    "hanging_m",
+    "places",
+    "ways",
+]

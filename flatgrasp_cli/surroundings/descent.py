@@ -83,7 +83,7 @@ def descended(
         touch=np.clip(held.seen, tip, np.maximum(held.wall, tip)),
     ).select(kept)
     room = palm_room(grasps, maps.coarse, headroom, gripper, settings.hand)
-    grasps = grasps.having(margin=np.minimum(grasps.margin, room))
+    grasps = grasps.having(margin=np.minimum(grasps.margin, room), palm_room=room)
     return _looked_into(grasps, funnel) if depth.unseen == "refuse" else grasps
 
 

@@ -20,6 +20,7 @@ from flatgrasp_cli.geometry.spacing import spacing
 from flatgrasp_cli.model import ObjectCloud, OrientedBox, SupportPlane
 from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.surroundings.alone import Alone
+from flatgrasp_cli.surroundings.aslant import Aslant
 from flatgrasp_cli.surroundings.interface import Surroundings
 from flatgrasp_cli.surroundings.maps import HeightMaps
 from flatgrasp_cli.surroundings.on_support import OnSupport
@@ -53,6 +54,11 @@ share of those places that must be free. Closer to the object its own noise hide
 """
 
 
+ASLANT_STEPS = 2.0
+"""Levels are so many times farther apart for hands that come aslant: there are many directions, and each is one more
+chance."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Place:
     """Points (n, 3) of an object, the `frame` whose x-y plane they are projected to, and what stands around them.
@@ -73,15 +79,25 @@ def box_on(support: SupportPlane, points: FloatArray, method: Literal["pca", "mi
     What a sensor above sees of an object tells neither its minor axis nor its bottom. None if the points lie on a line
     seen along the normal.
     """
+    return box_across(support.normal, points, method, support.offset_m)
+
+
+def box_across(
+    normal: FloatArray, points: FloatArray, method: Literal["pca", "min_area"], bottom_m: float | None = None
+) -> OrientedBox | None:
+    """The box of `points` (n, 3) whose main plane has the unit `normal` (3,), down to `bottom_m` along that.
+
+    It goes down to the lowest point if that is None. There is none if the points lie on a line seen along the normal.
+    """
     if len(points) < 3:
         return None
     mean = points.mean(axis=0)
     centred = np.ascontiguousarray((points - mean).T)
-    axes = principal_axes(np.asarray(centred - np.outer(support.normal, support.normal @ centred)))
+    axes = principal_axes(np.asarray(centred - np.outer(normal, normal @ centred)))
     if axes is None:
         return None
-    bottom = float(support.offset_m - support.normal @ mean)
-    return OrientedBox.around(mean, centred, main_axes(centred, support.normal, axes[2], method), bottom)
+    bottom = None if bottom_m is None else float(bottom_m - normal @ mean)
+    return OrientedBox.around(mean, centred, main_axes(centred, normal, axes[2], method), bottom)
 
 
 def places(cloud: ObjectCloud, box: OrientedBox, settings: PlannerSettings) -> list[Place]:
@@ -130,6 +146,45 @@ def _above(whole: Place, around: OnSupport, local: FloatArray, piece: Slice) -> 
         points=whole.points[piece.rows],
         surroundings=replace(around, level_m=piece.level_m, maps=maps),
     )
+
+
+def aslant(cloud: ObjectCloud, toward: FloatArray, settings: PlannerSettings) -> list[Place]:
+    """An object on a support plane, to be grasped by a hand that comes against `toward` (3,), a unit vector.
+
+    Heights are over the deepest point that was seen of the object, and the support plane is an obstacle like any other.
+    Nothing where that cannot be told: the plane was not seen, or the points lie on a line.
+    """
+    box = box_across(toward, cloud.points, settings.main_plane.method)
+    if box is None or cloud.floor is None:
+        return []
+    depth = settings.depth.model_copy(update={"slice_step_m": ASLANT_STEPS * settings.depth.slice_step_m})
+    settings = settings.model_copy(update={"depth": depth})
+    frame = replace(box.frame, origin=box.frame.origin - 0.5 * box.size[2] * toward)
+    local, obstacles = frame.to_local(cloud.points), frame.to_local(cloud.obstacles)
+    spacing_m = min(spacing(local[:, :2]), NEIGHBOURS_WITHIN * cloud.floor.spacing_m)
+    cell_m, palm_cell_m = max(MIN_CELL_M, spacing_m), max(PALM_CELL_M, spacing_m)
+
+    def standing(cell_m: float) -> HeightMap:
+        """The highest of the floor and of the others."""
+        empty = HeightMap.around(local, cell_m, FINGERS_M)
+        floor = empty.filled(cloud.floor.levels, frame, cloud.floor.frame) if cloud.floor else empty
+        return floor.raised(obstacles)
+
+    others = standing(cell_m)
+    highest = others.raised(local)
+    average = highest.averaged(local)
+    coarse = standing(palm_cell_m).raised(local)
+    lowest, *upper = slices(local, cell_m, settings.depth)
+    around = Aslant(
+        level_m=lowest.level_m,
+        lowest_m=lowest.level_m,
+        ground_m=-np.inf,
+        maps=HeightMaps(surface=average, average=average, rest=others, highest=highest, coarse=coarse),
+        view=_view(cloud, frame, cell_m),
+        settings=settings,
+    )
+    whole = Place(box=box, frame=frame, points=cloud.points, surroundings=around, spacing_m=spacing_m)
+    return [whole, *(_above(whole, around, local, piece) for piece in upper)]
 
 
 def from_the_side(cloud: ObjectCloud, box: OrientedBox, settings: PlannerSettings) -> Place:

@@ -13,7 +13,7 @@ import shapely
 from flatgrasp_cli import load_settings, plan, read_clouds
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.model import Cloud, Grasp
-from flatgrasp_cli.planning import objects
+from flatgrasp_cli.planning import answers
 from flatgrasp_cli.profiles import Gripper
 from flatgrasp_cli.proof import certified, forgiven_m, is_caged
 from flatgrasp_cli.results.figures.cage import way_out
@@ -248,14 +248,14 @@ def test_points_on_a_line_are_called_that(run: Run, tmp_path: Path) -> None:
 def test_the_best_of_all_slices_wins(options: tuple[str, ...], pr2: Gripper, monkeypatch: pytest.MonkeyPatch) -> None:
     """Neither what cages forgive nor the point fingers' cost grows with height: no slice may be left out."""
     (cloud,) = read_clouds(SAMPLES / "pan_on_table.pcd")
-    seen: list[objects.Answer] = []
-    real = objects._answer
+    seen: list[answers.Answer] = []
+    real = answers._answer
 
-    def watched(*args: Any) -> objects.Answer:
+    def watched(*args: Any) -> answers.Answer:
         seen.append(real(*args))
         return seen[-1]
 
-    monkeypatch.setattr(objects, "_answer", watched)
+    monkeypatch.setattr(answers, "_answer", watched)
     winner = best(cloud, pr2, *options)
     costs = [each.grasps.cost[0] for each in seen if each.grasps is not None]
     assert len(costs) > 1

@@ -1,6 +1,6 @@
 """Settings of the planner, section by section of the paper. `null` (None) means: derive it, as the comment says."""
 
-from flatgrasp_cli.profiles.settings.beyond import CagingSettings, DepthSettings, VarietySettings
+from flatgrasp_cli.profiles.settings.beyond import ApproachSettings, CagingSettings, DepthSettings, VarietySettings
 from flatgrasp_cli.profiles.settings.method import (
     BalanceSettings,
     FingerSettings,
@@ -13,6 +13,7 @@ from flatgrasp_cli.profiles.settings.planner import PlannerSettings
 from flatgrasp_cli.profiles.settings.scene import SceneSettings
 
 __all__ = [
+    "ApproachSettings",
     "BalanceSettings",
     "CagingSettings",
     "DepthSettings",

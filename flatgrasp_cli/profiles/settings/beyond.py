@@ -42,6 +42,17 @@ class DepthSettings(Profile):
     """From the grasp to the lift pose, along the support plane's normal, metres."""
 
 
+class ApproachSettings(Profile):
+    """Beyond the paper: from where the hand comes to what it cannot grasp from straight above."""
+
+    tilts_deg: tuple[Annotated[float, Field(ge=5, le=85)], ...]
+    """How far from straight down, degrees: each only if those before it leave nothing. Empty: straight down alone."""
+    around: Annotated[int, Field(ge=1, le=36)]
+    """From how many sides at each tilt, the sensor's first."""
+    hidden_share: Share
+    """Largest share of the space that an aslant hand moves through that the sensor did not see."""
+
+
 class VarietySettings(Profile):
     """Beyond the paper: how much the listed grasps of an object differ."""
 

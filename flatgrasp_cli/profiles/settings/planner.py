@@ -9,7 +9,7 @@ from pydantic import Field
 
 from flatgrasp_cli.profiles.base import Profile
 from flatgrasp_cli.profiles.gripper import Gripper
-from flatgrasp_cli.profiles.settings.beyond import CagingSettings, DepthSettings, VarietySettings
+from flatgrasp_cli.profiles.settings.beyond import ApproachSettings, CagingSettings, DepthSettings, VarietySettings
 from flatgrasp_cli.profiles.settings.method import (
     BalanceSettings,
     FingerSettings,
@@ -46,6 +46,8 @@ class PlannerSettings(Profile):
     """§III.B.3 to B.5: grasping range, variance, operability."""
     depth: DepthSettings
     """Beyond the paper: how deep the fingertips go over a support plane."""
+    approach: ApproachSettings
+    """Beyond the paper: from which sides the hand comes."""
     gravity: GravitySettings
     """§III.C: gravity and the final choice."""
     variety: VarietySettings

@@ -1,0 +1,169 @@
+"""What the method finds of an object in one place or in several, and which of that is best."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flatgrasp_cli.funnel import Funnel, NothingLeft
+from flatgrasp_cli.methods import METHODS
+from flatgrasp_cli.model import (
+    GraspCandidates,
+    GravityCenter,
+    OrientedBox,
+    PlaneShape,
+    Rejection,
+    Silhouette,
+    Stage,
+    Trace,
+)
+from flatgrasp_cli.planner.gravity import gravity_center
+from flatgrasp_cli.planner.silhouette import silhouette_of
+from flatgrasp_cli.profiles.gripper import Gripper
+from flatgrasp_cli.profiles.settings import PlannerSettings
+from flatgrasp_cli.proof import Certificates, certified, forgiven_m, is_caged, why_not
+from flatgrasp_cli.surroundings import Place
+
+CONSIDERED = 2000
+"""How many of an object's best grasps those to be listed are chosen from: all of them as a rule."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Answer:
+    """What the method found for an object in one place: grasps in the plane of its shape, best first, or a rejection.
+
+    What was not come to is None. `level_m` is the height above which the silhouette was taken.
+    """
+
+    funnel: tuple[Stage, ...]
+    rejection: Rejection | None
+    trace: Trace
+    box: OrientedBox | None = None
+    level_m: float | None = None
+    shape: PlaneShape | None = None
+    grasps: GraspCandidates | None = None
+    certificates: Certificates | None = None
+
+    def of(self, rows: Sequence[int]) -> Answer:
+        """The answer with only the grasps in `rows`, in that order."""
+        keep = np.array(rows, dtype=np.intp)
+        return replace(
+            self,
+            grasps=self.grasps and self.grasps.select(keep),
+            certificates=self.certificates and self.certificates.select(keep),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Search:
+    """Runs the method in places, and compares what it finds there."""
+
+    gripper: Gripper
+    settings: PlannerSettings
+
+    @property
+    def _cages_decide(self) -> bool:
+        return self.settings.caging.require or self.settings.caging.prefer == "cage"
+
+    def whole(self, place: Place, slices: Iterable[Place]) -> Answer:
+        """The best answer for one direction: of the whole, or of a slice, about the gravity centre of the whole."""
+        silhouette = _silhouette(place, self.settings)
+        center = gravity_center(silhouette, self.settings.gravity)
+        best = self._in(place, silhouette, center)
+        for part in slices:
+            if self._may_be_better(best, part):
+                best = self.better(best, self._in(part, _silhouette(part, self.settings), center))
+        return best
+
+    def better(self, one: Answer, other: Answer) -> Answer:
+        """The better one of two answers."""
+        return min(one, other, key=self._order)
+
+    def _in(self, place: Place, silhouette: Silhouette, center: GravityCenter) -> Answer:
+        """What the method finds in a place, in the order that the settings prefer."""
+        considered = self.settings.caging.considered if self._cages_decide else CONSIDERED
+        shape = PlaneShape(place.box, silhouette, center)
+        found = _answer(place, shape, self.gripper, self.settings, considered)
+        return _by_certificates(found, self.gripper, self.settings) if self._cages_decide else found
+
+    def _may_be_better(self, best: Answer, part: Place) -> bool:
+        """Whether a grasp of a slice may be better than the best one that there is.
+
+        No term of the cost is negative and one grows with the fingertips' height, so a slice that stands high need not
+        be planned once a lower one has a grasp that costs less than its height alone.
+        """
+        if best.grasps is None or self._cages_decide or self.settings.method == "allen":
+            return True
+        height_m = (part.surroundings.level_m or 0.0) - self.settings.depth.slice_step_m
+        return bool(self.settings.gravity.level_weight * height_m <= best.grasps.cost[0])
+
+    def _order(self, answer: Answer) -> tuple[bool, bool, float, float, int]:
+        """By the best grasp's cage or cost; last those without, the one first that came furthest."""
+        if answer.grasps is None:
+            return (True, True, np.inf, np.inf, -len(answer.funnel))
+        if self.settings.caging.prefer == "cage":
+            return (False, *_surest_first(answer.grasps, answer.certificates, 0), 0)
+        return (False, False, 0.0, float(answer.grasps.cost[0]), 0)
+
+
+def _silhouette(place: Place, settings: PlannerSettings) -> Silhouette:
+    """§III.A.2."""
+    return silhouette_of(place.points, place.frame, settings.silhouette, place.spacing_m)
+
+
+def _answer(place: Place, shape: PlaneShape, gripper: Gripper, settings: PlannerSettings, considered: int) -> Answer:
+    """What the method finds in one place."""
+    funnel = Funnel()
+    known = len(shape.silhouette.loops) > 0
+    grasps, rejection = None, None
+    try:
+        funnel.count("silhouette", len(shape.silhouette.loops), "the points are too scattered for an outline")
+        grasps = METHODS[settings.method](shape, place.surroundings, gripper, settings, funnel, considered)
+    except NothingLeft as end:
+        rejection = end.rejection
+    return Answer(
+        funnel=tuple(funnel.stages),
+        rejection=rejection,
+        trace=funnel.trace,
+        box=shape.box,
+        level_m=place.surroundings.level_m,
+        shape=shape if known else None,
+        grasps=grasps,
+    )
+
+
+def _surest_first(grasps: GraspCandidates, certificates: Certificates | None, k: int) -> tuple[bool, float, float]:
+    """Grasps with a cage first, those before others that forgive the larger miss; then the cheaper one."""
+    cage = None if certificates is None else certificates.cages[k]
+    return (not is_caged(cage), -forgiven_m(cage), float(grasps.cost[k]))
+
+
+def _by_certificates(answer: Answer, gripper: Gripper, settings: PlannerSettings) -> Answer:
+    """The answer with certificates, its grasps in the order that the settings prefer.
+
+    With `caging.require`, grasps without a cage are no grasps.
+    """
+    answer = proved(answer, gripper, settings)
+    if answer.grasps is None or answer.certificates is None:
+        return answer
+    grasps, cages = answer.grasps, answer.certificates.cages
+    kept, funnel = list(range(len(grasps))), answer.funnel
+    if settings.caging.require:
+        kept = [k for k in kept if is_caged(cages[k])]
+        funnel = (*funnel, Stage("cage", len(kept)))
+        if not kept:
+            reason = f"none of the {len(grasps)} best grasps is a cage: {why_not(cages[0])}"
+            return replace(answer, grasps=None, certificates=None, funnel=funnel, rejection=Rejection("cage", reason))
+    if settings.caging.prefer == "cage":
+        kept.sort(key=lambda k: _surest_first(grasps, answer.certificates, k))
+    return replace(answer.of(kept), funnel=funnel)
+
+
+def proved(answer: Answer, gripper: Gripper, settings: PlannerSettings) -> Answer:
+    """The answer with a certificate for each of its grasps, if the settings ask for them."""
+    if answer.grasps is None or answer.shape is None or answer.certificates or not settings.caging.certify:
+        return answer
+    grasps, certificates = certified(answer.grasps, answer.shape.silhouette, gripper, settings)
+    return replace(answer, grasps=grasps, certificates=certificates)
