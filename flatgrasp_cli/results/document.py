@@ -145,8 +145,8 @@ def _object(item: ObjectPlan, plan: Plan) -> ObjectPart:
             step_m=number(trace.steps[0].step_m) if trace.steps else None, doubted_directions=trace.doubted_directions
         ),
         funnel=[StagePart(stage=stage.stage, kept=stage.kept) for stage in item.funnel],
-        grasps=[_grasp(grasp, plan) for grasp in item.grasps],
-        refused=[_grasp(grasp, plan) for grasp in item.refused],
+        grasps=[grasp_part(grasp, plan) for grasp in item.grasps],
+        refused=[grasp_part(grasp, plan) for grasp in item.refused],
     )
 
 
@@ -183,13 +183,14 @@ def _gravity(shape: PlaneShape) -> GravityPart:
     )
 
 
-def _grasp(grasp: Grasp, plan: Plan) -> GraspPart:
+def grasp_part(grasp: Grasp, plan: Plan) -> GraspPart:
+    """One grasp of a plan."""
     gripper = plan.gripper
     return GraspPart(
         rank=grasp.rank,
-        pose=_pose(Pose(grasp.position, grasp.orientation)),
-        pre_grasp=_pose(grasp.pre_grasp),
-        lift=_pose(grasp.lift),
+        pose=pose_part(Pose(grasp.position, grasp.orientation)),
+        pre_grasp=pose_part(grasp.pre_grasp),
+        lift=pose_part(grasp.lift),
         flange=_poses(grasp.flange),
         hand=None if grasp.hand is grasp.flange else _poses(grasp.hand),
         tip_shift_m=number(gripper.finger_length_at_m(grasp.width_m) - gripper.finger_length_at_m(grasp.opening_m)),
@@ -205,10 +206,11 @@ def _grasp(grasp: Grasp, plan: Plan) -> GraspPart:
 
 
 def _poses(poses: Poses) -> PosesPart:
-    return PosesPart(pose=_pose(poses.pose), pre_grasp=_pose(poses.pre_grasp), lift=_pose(poses.lift))
+    return PosesPart(pose=pose_part(poses.pose), pre_grasp=pose_part(poses.pre_grasp), lift=pose_part(poses.lift))
 
 
-def _pose(pose: Pose) -> PosePart:
+def pose_part(pose: Pose) -> PosePart:
+    """A pose."""
     return PosePart(position=numbers(pose.position), orientation=numbers(pose.orientation))
 
 
