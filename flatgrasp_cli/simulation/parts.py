@@ -70,13 +70,14 @@ class Servo:
     inertia: float
 
 
-def add_servo(spec: Any, target: str, transmission: Any, servo: Servo) -> None:
+def add_servo(spec: Any, target: str, transmission: Any, servo: Servo) -> Any:
     """Add a servo, named as the joint or tendon that it drives; it is damped so that it does not overshoot."""
     motor = spec.add_actuator(name=target, target=target, trntype=transmission)
     stiffness = servo.most / servo.off_by
     motor.gainprm[0], motor.biastype = stiffness, load_mujoco().mjtBias.mjBIAS_AFFINE
     motor.biasprm[1], motor.biasprm[2] = -stiffness, -2 * math.sqrt(stiffness * servo.inertia)
     motor.forcerange, motor.forcelimited = [-servo.most, servo.most], True
+    return motor
 
 
 def empty_scene() -> Any:

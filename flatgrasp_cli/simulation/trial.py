@@ -19,7 +19,7 @@ from flatgrasp_cli.simulation.arm import Arm
 from flatgrasp_cli.simulation.camera import scene_of, seen
 from flatgrasp_cli.simulation.carriers import Carrier, Floating, missed, palm_at
 from flatgrasp_cli.simulation.execution import Execution, Order, execute
-from flatgrasp_cli.simulation.jaws import Jaws
+from flatgrasp_cli.simulation.hands import hand_of
 from flatgrasp_cli.simulation.looking import Look, look_at, look_by_arm, spot_of
 from flatgrasp_cli.simulation.parts import Pads
 from flatgrasp_cli.simulation.solids import Mesh
@@ -89,7 +89,7 @@ class Cell:
     def __init__(self, job: Job, conditions: Conditions) -> None:
         self.job, self.conditions = job, conditions
         self.gripper, self.robot = job.gripper, job.workcell.robot
-        self.hand = Jaws(self.gripper, Pads(conditions.friction, conditions.force_n))
+        self.hand = hand_of(self.gripper, Pads(conditions.friction, conditions.force_n))
         self.spot = spot_of(self.robot)
 
     def world(self, things: list[Thing]) -> World:

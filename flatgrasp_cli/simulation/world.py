@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.simulation.carriers import Carrier
 from flatgrasp_cli.simulation.engine import load_mujoco
-from flatgrasp_cli.simulation.jaws import Jaws
+from flatgrasp_cli.simulation.hands import Hand
 from flatgrasp_cli.simulation.parts import TIME_STEP_S, Kind, add_thing, empty_scene
 from flatgrasp_cli.simulation.things import Thing
 
@@ -33,7 +33,7 @@ class Touch(NamedTuple):
 class World:
     """A scene of `things`, with a hand and its carrier, in the world's frame: z up, the table's top z = 0."""
 
-    def __init__(self, things: Sequence[Thing], carrier: Carrier, hand: Jaws) -> None:
+    def __init__(self, things: Sequence[Thing], carrier: Carrier, hand: Hand) -> None:
         mujoco = load_mujoco()
         spec = empty_scene()
         self._names = [f"thing{number}" for number in range(len(things))]

@@ -11,7 +11,7 @@ from flatgrasp_cli.model import Pose
 from flatgrasp_cli.simulation.arm import Arm
 from flatgrasp_cli.simulation.carriers import Floating
 from flatgrasp_cli.simulation.execution import OUT_OF_REACH, Order, execute
-from flatgrasp_cli.simulation.jaws import Jaws
+from flatgrasp_cli.simulation.hands import hand_of
 from flatgrasp_cli.simulation.parts import Pads
 from flatgrasp_cli.simulation.solids import box, rod
 from flatgrasp_cli.simulation.things import Thing
@@ -37,7 +37,7 @@ def order(tips_m: float = 0.015, y: float = 0.0, opening_m: float = 0.08, x: flo
 
 def scene(*things: Thing, friction: float = 0.5, force_n: float = 40.0) -> World:
     """Blocks in a row along x, 20 cm apart, the first at the origin."""
-    world = World(things, Floating(), Jaws(PR2, Pads(friction, force_n)))
+    world = World(things, Floating(), hand_of(PR2, Pads(friction, force_n)))
     world.reset(world.carrier.controls([order().pre_grasp])[0], 0.08)
     for number in range(len(things)):
         world.put(number, np.array([0.2 * number, 0.0, SIZE[2] / 2]), Rotation.identity())
@@ -123,7 +123,7 @@ def test_a_pre_grasp_inside_the_object_is_a_collision() -> None:
 @pytest.fixture
 def arm_scene() -> World:
     robot = load_robot("ur5")
-    world = World([block()], Arm(robot, PR2), Jaws(PR2, Pads(0.5, 40.0)))
+    world = World([block()], Arm(robot, PR2), hand_of(PR2, Pads(0.5, 40.0)))
     world.reset(np.radians(robot.reach.reference_deg), 0.08)
     world.put(0, np.array([-0.45, -0.1, SIZE[2] / 2]), Rotation.identity())
     world.settle(0.5)
