@@ -10,8 +10,9 @@ import click
 
 from flatgrasp_cli.cli.console import show
 from flatgrasp_cli.cli.defaults import context_of
-from flatgrasp_cli.cli.outputs import writing
+from flatgrasp_cli.cli.outputs import say_written, writing
 from flatgrasp_cli.cli.progress import bar, on_terminal
+from flatgrasp_cli.cli.shots import Shots, stem_of
 from flatgrasp_cli.cli.simulation_options import simulation_options
 from flatgrasp_cli.whole_files import write_bytes, write_text
 
@@ -20,6 +21,12 @@ if TYPE_CHECKING:
     from flatgrasp_cli.simulation.trial import Cell, Trial
 
 NOT_HELD = 1
+
+
+def _gif(_context: click.Context, _parameter: click.Parameter, path: Path | None) -> Path | None:
+    if path is not None and path.suffix.lower() != ".gif":
+        raise click.BadParameter(f"{path}: a film is a GIF; give FILE.gif")
+    return path
 
 
 @click.command("simulate", context_settings=context_of("simulate"))
@@ -32,9 +39,24 @@ NOT_HELD = 1
     metavar="DIR",
     help="Folder for what the camera saw, as PCD, and for the documents of trials and plans.",
 )
+@click.option("--plots", is_flag=True, help="Draw a trial of each object as the paper's figure 18 does, as PNG.")
+@click.option(
+    "--film",
+    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="FILE.gif",
+    callback=_gif,
+    help="Film the first trial of each object.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one document an attempt, a line each, and no table.")
 def command(
-    cell: Cell, things: list[Thing], trials: int, per_scene: int | None, out: Path | None, as_json: bool
+    cell: Cell,
+    things: list[Thing],
+    trials: int,
+    per_scene: int | None,
+    out: Path | None,
+    plots: bool,
+    film: Path | None,
+    as_json: bool,
 ) -> int:
     """Will this gripper hold these things? Simulated trials, as in the paper's section IV.
 
@@ -46,12 +68,16 @@ def command(
     Exit code 0: all were held; 1: some were not, the table says why; 2: wrong usage or a wrong profile; 3: a mesh could
     not be read.
     """
-    outputs, done = _Outputs(out, cell, as_json=as_json), []
+    outputs, shots, done = _Outputs(out, cell, as_json=as_json), Shots(cell, out, film, plots=plots), []
     for trial in _watched(_trials(cell, things, trials, per_scene), None if per_scene else trials * len(things)):
         outputs.write(trial)
-        done.append(trial)
+        done.append(shots.take(trial))
+    shots.finish()
     if not as_json:
         _print_table(done)
+    say_written(shots.written)
+    if shots.code:
+        return shots.code
     return 0 if all(trial.status == "held" for trial in done) else NOT_HELD
 
 
@@ -106,13 +132,6 @@ class _Outputs:
             write_bytes(self._folder / f"{stem}.pcd", organised_pcd(trial.image))
             write_text(self._folder / f"{stem}.grasps.json", [to_json(to_document(trial.plan), indent=2), "\n"])
             write_text(self._folder / "trials.jsonl", self._lines)
-
-
-def stem_of(trial: Trial) -> str:
-    """The name of a trial's files: the object's and the trial's number, or the heap's and the attempt's."""
-    if trial.in_heap:
-        return f"heap.{trial.number:02d}.{trial.attempt:02d}"
-    return f"{trial.object}.{trial.number:02d}"
 
 
 def _print_table(trials: list[Trial]) -> None:

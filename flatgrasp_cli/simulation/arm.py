@@ -32,6 +32,7 @@ class Arm:
 
     def __init__(self, robot: Robot, gripper: Gripper) -> None:
         self.robot, self._gripper = robot, gripper
+        self.palm_offset_m = gripper.palm_offset_m
         self._at: FloatArray = np.radians(robot.reach.reference_deg)
 
     def add(self, spec: Any) -> Any:
@@ -53,7 +54,7 @@ class Arm:
                 body.mass, body.inertia, body.explicitinertial = LINK_KG[0], [0.01] * 3, True
             place, turn = end, Rotation.from_euler("x", dh.alpha_deg[k], degrees=True)
         mounted = Rotation.from_euler("z", self._gripper.mounted_deg, degrees=True)
-        place = place + turn.apply([0.0, 0.0, self._gripper.palm_offset_m])
+        place = place + turn.apply([0.0, 0.0, self.palm_offset_m])
         return body.add_body(name="hand", pos=place, quat=np.roll((turn * mounted).as_quat(), 1), gravcomp=1)
 
     def controls(self, palms: list[Pose], near: FloatArray | None = None) -> FloatArray:
@@ -77,7 +78,7 @@ class Arm:
 
     def flange(self, palm: Pose) -> Pose:
         """The flange's pose for one of the palm."""
-        back = self._gripper.palm_offset_m * axes_from_quaternion(palm.orientation)[2]
+        back = self.palm_offset_m * axes_from_quaternion(palm.orientation)[2]
         return Pose(palm.position - back, turned_about_z(palm.orientation, -self._gripper.mounted_deg))
 
     def place(self, model: Any, data: Any, control: FloatArray) -> None:

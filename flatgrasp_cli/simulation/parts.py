@@ -39,6 +39,8 @@ class Kind(IntEnum):
     FINGER = 2
     PALM = 3
     ARM = 4
+    CAMERA = 5
+    """In pictures only: the camera meets nothing."""
 
 
 NAMES = {

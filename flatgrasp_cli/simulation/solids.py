@@ -77,6 +77,13 @@ def rod(radius: float, length: float, at: Vector, yaw_deg: float = 0.0, flat: fl
     return _convex(np.vstack(ends), at, yaw_deg)
 
 
+def capsule(radius: float, length: float) -> Solid:
+    """A capsule along z around the origin: a cylinder of this length with half a ball at each end."""
+    ball = ellipsoid((radius, radius, radius), (0.0, 0.0, 0.0)).surface.vertices
+    shift = np.where(ball[:, 2:] > 0, 0.5, -0.5) * [0.0, 0.0, length]
+    return _convex(ball + shift, (0.0, 0.0, 0.0), 0.0)
+
+
 def ring(radius: float, tube: float, at: Vector) -> Solid:
     """A torus lying flat: `radius` to the middle of its tube."""
     circle = np.column_stack([radius + tube * np.cos(_angles(TUBE)), tube * np.sin(_angles(TUBE))])

@@ -54,6 +54,7 @@ def _swept(world: World, stops: list[FloatArray], opening_m: float) -> set[Touch
         steps = max(int(np.abs(end - begin).max() / STEP_RAD), 1)
         for share in np.arange(1, steps + 1) / steps:
             world.place(begin + share * (end - begin), opening_m)
+            world.data.time += STEP_RAD  # as if at a radian a second
             if world.watch is not None:
                 world.watch()
             if touched := world.touched():

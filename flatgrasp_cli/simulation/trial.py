@@ -22,6 +22,7 @@ from flatgrasp_cli.simulation.execution import Execution, Order, execute
 from flatgrasp_cli.simulation.hands import hand_of
 from flatgrasp_cli.simulation.looking import Look, look_at, look_by_arm, spot_of
 from flatgrasp_cli.simulation.parts import Pads
+from flatgrasp_cli.simulation.snapshots import Film, Recorder
 from flatgrasp_cli.simulation.solids import Mesh
 from flatgrasp_cli.simulation.things import Thing
 from flatgrasp_cli.simulation.transit import go_to
@@ -58,7 +59,8 @@ class Trial:
     """What happened: the image (h, w, 3) in the camera's frame, the plan on it, and the execution of its best grasp.
 
     `object` is what was to be grasped; in a heap, what was held, or the thing nearest to the grasp. Its `position` (3,)
-    and `orientation` [x, y, z, w] are those in the world before the grasp.
+    and `orientation` [x, y, z, w] are those in the world before the grasp. `spot` (3,) is where things were put;
+    `tips` is the pose of the fingertips at the planned grasp in the world.
     """
 
     object: str
@@ -70,7 +72,10 @@ class Trial:
     plan: Plan
     place: Pose
     execution: Execution | None
+    spot: FloatArray
+    tips: Pose | None = None
     in_heap: bool = False
+    film: Film | None = None
 
     @property
     def status(self) -> Status:
@@ -88,6 +93,8 @@ class Cell:
 
     def __init__(self, job: Job, conditions: Conditions) -> None:
         self.job, self.conditions = job, conditions
+        self.recorder: Recorder | None = None
+        """What records trials for pictures and films, while it is there."""
         self.gripper, self.robot = job.gripper, job.workcell.robot
         self.hand = hand_of(self.gripper, Pads(conditions.friction, conditions.force_n))
         self.spot = spot_of(self.robot)
@@ -135,6 +142,8 @@ def attempt(cell: Cell, world: World, look: Look, rng: np.random.Generator, name
     ]
     image = seen(scene_of([TABLE, *surfaces]), look.camera, rng).astype(np.float32).astype(np.float64)
     plan = cell.planned(image, look, f"trial {names[0]}")
+    if cell.recorder is not None:
+        cell.recorder.watch(world)
     best = plan.best
     target = 0 if best is None else _nearest(world, _in_world(cell, look).to_world(best.contacts).mean(axis=0))
     before = {number: Pose(where, turn.as_quat()) for number, (where, turn) in zip(world.present, places, strict=True)}
@@ -151,13 +160,23 @@ def attempt(cell: Cell, world: World, look: Look, rng: np.random.Generator, name
         plan=plan,
         place=before[target],
         execution=execution,
+        spot=cell.spot,
+        tips=None if best is None else _tips(cell, look, best.way.tips.pose),
         in_heap=len(world.things) > 1,
+        film=cell.recorder.film() if cell.recorder else None,
     )
 
 
 def _in_world(cell: Cell, look: Look) -> Frame:
     """The frame of the plan in the world."""
     return look.camera if cell.robot is None else Frame(np.zeros(3), np.eye(3))
+
+
+def _tips(cell: Cell, look: Look, planned: Pose) -> Pose:
+    """A planned pose in the world."""
+    frame = _in_world(cell, look)
+    axes = axes_from_quaternion(planned.orientation) @ frame.axes
+    return Pose(frame.to_world(planned.position), quaternion_from_axes(axes))
 
 
 def _nearest(world: World, place: FloatArray) -> int:
@@ -170,13 +189,11 @@ def _carried_out(cell: Cell, world: World, look: Look, rng: np.random.Generator,
     """Go to the pre-grasp and carry the grasp out, by a hand that misses as the conditions have it."""
     shift = cell.conditions.miss_m * rng.normal(size=2)
     yaw = np.radians(cell.conditions.miss_deg) * rng.normal()
-    length, frame = cell.gripper.finger_length_at_m(grasp.width_m), _in_world(cell, look)
+    length = cell.gripper.finger_length_at_m(grasp.width_m)
     twin = 180.0 if grasp.reach is not None and grasp.reach.twin else 0.0
 
     def palm(tips: Pose) -> Pose:
-        axes = axes_from_quaternion(tips.orientation) @ frame.axes
-        there = missed(Pose(frame.to_world(tips.position), quaternion_from_axes(axes)), shift, yaw)
-        at = palm_at(there, length)
+        at = palm_at(missed(_tips(cell, look, tips), shift, yaw), length)
         return Pose(at.position, turned_about_z(at.orientation, twin))
 
     tips = grasp.way.tips
