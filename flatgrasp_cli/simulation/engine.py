@@ -23,5 +23,10 @@ def load_mujoco() -> ModuleType:
         import mujoco
     except ImportError as error:
         raise UsageError(f"simulating needs {error.name}, which is not installed: {EXTRA}") from error
+    mujoco.set_mju_user_warning(_ignore)  # it would write them into a file in the current folder
     module: ModuleType = mujoco
     return module
+
+
+def _ignore(_text: str) -> None:
+    """Nothing: what goes wrong is counted in MuJoCo's data, and asked for there."""

@@ -25,6 +25,7 @@ SHORT_M = 0.005
 HELD_SHARE = 0.5
 """What is still so far up, as a share of the lift, when the hand has been shaken, is held."""
 
+UNSTABLE = "the physics became unstable: the object or the force is far from what hands hold"
 OUT_OF_REACH = "the arm does not reach the way that it has to go by"
 
 Outcome = Literal["held", "lost", "collision"]
@@ -78,6 +79,8 @@ def execute(world: World, order: Order) -> Execution:
     shaken = world.carrier.controls(_shaken(order.lift))
     if not np.isnan(shaken).any():  # an arm that is stretched cannot shake
         world.follow(shaken, SHAKE_S)
+    if world.unstable:
+        return _ended("lost", UNSTABLE)
     held = grip.held()
     return Execution(
         status="lost" if held is None else "held",

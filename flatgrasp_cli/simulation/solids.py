@@ -65,9 +65,24 @@ def box(size: Vector, at: Vector, yaw_deg: float = 0.0) -> Solid:
 
 def ellipsoid(radii: Vector, at: Vector, yaw_deg: float = 0.0) -> Solid:
     """An ellipsoid around `at`."""
-    polar, around = np.meshgrid(np.linspace(0, np.pi, AROUND + 1)[1:-1], _angles(2 * AROUND), indexing="ij")
+    rings, sides = AROUND - 1, 2 * AROUND
+    polar, around = np.meshgrid(np.linspace(0, np.pi, AROUND + 1)[1:-1], _angles(sides), indexing="ij")
     ball = np.stack([np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar)], axis=-1)
-    return _convex(np.vstack([[[0.0, 0.0, 1.0]], ball.reshape(-1, 3), [[0.0, 0.0, -1.0]]]) * radii, at, yaw_deg)
+    vertices = np.vstack([[[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]], ball.reshape(-1, 3)]) * radii
+    here, there = np.arange(sides), (np.arange(sides) + 1) % sides
+    first, last = 2 + here, 2 + (rings - 1) * sides + here
+    caps = [np.column_stack([0 * here, first, first[there]]), np.column_stack([0 * here + 1, last[there], last])]
+    bands = [
+        triangles
+        for above in range(2, 2 + (rings - 1) * sides, sides)
+        for below in [above + sides]
+        for triangles in (
+            np.column_stack([below + here, above + there, above + here]),
+            np.column_stack([below + here, below + there, above + there]),
+        )
+    ]
+    mesh = Mesh(vertices, np.vstack([*caps, *bands])).moved(Rotation.from_euler("z", yaw_deg, degrees=True), at)
+    return Solid(mesh, (mesh,))
 
 
 def rod(radius: float, length: float, at: Vector, yaw_deg: float = 0.0, flat: float = 1.0) -> Solid:

@@ -148,6 +148,13 @@ class World:
         if self.watch is not None:
             self.watch()
 
+    @property
+    def unstable(self) -> bool:
+        """Whether the physics gave nonsense since the last reset, and began anew."""
+        bad = load_mujoco().mjtWarning
+        kinds = (bad.mjWARN_BADQPOS, bad.mjWARN_BADQVEL, bad.mjWARN_BADQACC)
+        return any(self.data.warning[int(kind)].number > 0 for kind in kinds)
+
     def touched(self) -> set[Touch]:
         """What the robot touches now."""
         if self.data.ncon == 0:

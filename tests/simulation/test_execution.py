@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -10,7 +12,7 @@ from flatgrasp_cli import load_gripper, load_robot
 from flatgrasp_cli.model import Pose
 from flatgrasp_cli.simulation.arm import Arm
 from flatgrasp_cli.simulation.carriers import Floating
-from flatgrasp_cli.simulation.execution import OUT_OF_REACH, Order, execute
+from flatgrasp_cli.simulation.execution import OUT_OF_REACH, UNSTABLE, Order, execute
 from flatgrasp_cli.simulation.hands import hand_of
 from flatgrasp_cli.simulation.parts import Pads
 from flatgrasp_cli.simulation.solids import box, rod
@@ -160,3 +162,18 @@ def test_an_arm_that_does_not_reach_says_so(arm_scene: World) -> None:
     assert go_to(arm_scene, by_arm(), start, start) is None
     far = Order(by_arm().pre_grasp, by_arm(far_m=2.0).grasp, by_arm().lift, 0.08)
     assert execute(arm_scene, far).reason == OUT_OF_REACH
+
+
+def test_physics_that_give_nonsense_are_said_and_leave_no_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    world = ready(scene(block()), order())
+
+    def break_it() -> None:
+        if world.data.time > 1.6:
+            world.data.qvel[:] = np.nan
+            world.watch = None
+
+    world.watch = break_it
+    done = execute(world, order())
+    assert (done.status, done.reason) == ("lost", UNSTABLE)
+    assert list(tmp_path.iterdir()) == []
