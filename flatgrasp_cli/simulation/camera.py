@@ -50,15 +50,14 @@ XTION = DepthCamera()
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Hits:
-    """What rays meet: `depth` in units of their direction, infinite for none, `cosine` to the normal, and the mesh."""
+    """What rays meet: `depth` in units of their direction, infinite for none, and the `cosine` to the normal."""
 
     depth: FloatArray
     cosine: FloatArray
-    mesh: FloatArray
 
 
 def scene_of(meshes: Sequence[Mesh]) -> Any:
-    """Open3D's ray casting scene of meshes in the world, numbered in their order."""
+    """Open3D's ray casting scene of meshes in the world, which it numbers in their order."""
     o3d = load_open3d()
     scene = o3d.t.geometry.RaycastingScene()
     for mesh in meshes:
@@ -75,7 +74,7 @@ def cast(scene: Any, at: Frame, directions: FloatArray) -> Hits:
     normals = found["primitive_normals"].numpy()
     cosine = np.abs((turned * normals).sum(axis=-1)) / np.linalg.norm(turned, axis=-1)
     depth = found["t_hit"].numpy().astype(np.float64)
-    return Hits(depth, np.clip(cosine, 0.0, 1.0), found["geometry_ids"].numpy())
+    return Hits(depth, np.clip(cosine, 0.0, 1.0))
 
 
 def seen(scene: Any, at: Frame, rng: np.random.Generator, camera: DepthCamera = XTION) -> FloatArray:

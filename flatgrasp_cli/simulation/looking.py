@@ -86,13 +86,6 @@ def _flange(camera: Frame, gripper: Gripper) -> Frame:
     return Frame(camera.origin - BESIDE_M * hand_x, axes)
 
 
-def camera_of(flange: Frame, gripper: Gripper) -> Frame:
-    """The camera's optical frame on a flange."""
-    c, s = np.cos(np.radians(gripper.mounted_deg)), np.sin(np.radians(gripper.mounted_deg))
-    hand_x, hand_y = c * flange.axes[0] + s * flange.axes[1], c * flange.axes[1] - s * flange.axes[0]
-    return Frame(flange.origin + BESIDE_M * hand_x, np.stack([hand_y, -hand_x, flange.axes[2]]))
-
-
 def _nearest_joints(robot: Robot, flanges: list[Frame]) -> tuple[int, FloatArray] | None:
     """Which of several flange poses is reached nearest to the reference stance, and with which joints."""
     base, reference = robot.base_frame, np.radians(robot.reach.reference_deg)

@@ -145,7 +145,8 @@ def attempt(cell: Cell, world: World, look: Look, rng: np.random.Generator, name
     if cell.recorder is not None:
         cell.recorder.watch(world)
     best = plan.best
-    target = 0 if best is None else _nearest(world, _in_world(cell, look).to_world(best.contacts).mean(axis=0))
+    around = cell.spot if best is None else _in_world(cell, look).to_world(best.contacts).mean(axis=0)
+    target = _nearest(world, around)
     before = {number: Pose(where, turn.as_quat()) for number, (where, turn) in zip(world.present, places, strict=True)}
     execution = None if best is None else _carried_out(cell, world, look, rng, best)
     if execution is not None and execution.thing is not None:

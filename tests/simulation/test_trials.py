@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
+from scipy.spatial.transform import Rotation
 
 from flatgrasp_cli import load_gripper, load_robot, load_settings
 from flatgrasp_cli.job import Job
@@ -20,7 +21,7 @@ from flatgrasp_cli.results.contracts import json_schema
 from flatgrasp_cli.simulation.document import trial_document
 from flatgrasp_cli.simulation.engine import load_mujoco
 from flatgrasp_cli.simulation.things import sample_thing
-from flatgrasp_cli.simulation.trial import Cell, Conditions, Trial
+from flatgrasp_cli.simulation.trial import Cell, Conditions, Trial, attempt
 from flatgrasp_cli.simulation.trials import heaps_of, trials_of
 from tests.conftest import Run
 
@@ -94,6 +95,20 @@ def test_a_heap_is_cleared_grasp_by_grasp() -> None:
     assert {trial.object for trial in trials} <= {"juice_box", "hammer"}
     assert all(trial.in_heap for trial in trials)
     documents(trials, where)
+
+
+def test_what_is_left_of_a_heap_is_named_when_it_gets_no_grasp() -> None:
+    where = cell()
+    world = where.world([sample_thing("hammer"), sample_thing("juice_box")])
+    rng = np.random.default_rng(0)
+    look = where.look(rng)
+    world.reset(where.parked(look), 0.08)
+    world.put(1, where.spot, Rotation.identity())
+    world.remove(0)
+    small = where.gripper.model_copy(update={"max_opening_m": 0.009})
+    where.job = Job(small, load_settings(), workcell(None, None, None))
+    trial = attempt(where, world, look, rng, (0, 1))
+    assert (trial.status, trial.object, trial.attempt) == ("no_grasp", "juice_box", 1)
 
 
 def test_the_command_prints_a_table_and_ends_with_0(run: Run) -> None:

@@ -44,7 +44,7 @@ class TrialDocument(Part):
     schema: Literal["flatgrasp.trial/1"]
     """Which contract this is."""
     object: str
-    """The object's name; in a heap, that of what was held, else of the thing nearest to the grasp."""
+    """The object's name; in a heap, that of what was held, else of the thing nearest to the grasp or to the middle."""
     trial: int
     """The number of the trial, or of the heap, from 0."""
     attempt: int
