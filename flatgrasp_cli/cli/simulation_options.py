@@ -11,7 +11,6 @@ import click
 
 from flatgrasp_cli.cli.completion import complete_profile
 from flatgrasp_cli.cli.defaults import option
-from flatgrasp_cli.cli.image_options import positive
 from flatgrasp_cli.cli.imports import importing
 from flatgrasp_cli.cli.planning_options import (
     CAGE_OPTIONS,
@@ -65,10 +64,18 @@ OPTIONS = (
         help="Heaps of so many of the objects, each cleared grasp by grasp; --trials is the number of heaps.",
     ),
     click.option(
-        "--mu", type=float, callback=positive, help="Friction of the pads; the gripper profile's if not given."
+        "--mu",
+        type=click.FloatRange(0.01, 5),
+        metavar="μ",
+        help="Friction of the pads on the object; the gripper profile's if not given.",
     ),
-    click.option("--mass", type=float, callback=positive, metavar="KG", help="What each object weighs."),
-    click.option("--force", type=float, callback=positive, metavar="N", help="How hard a jaw presses, newtons."),
+    click.option("--mass", type=click.FloatRange(0.001, 100), metavar="KG", help="What each object weighs."),
+    click.option(
+        "--force",
+        type=click.FloatRange(0.1, 10_000),
+        metavar="N",
+        help="How hard a jaw presses, newtons; the gripper profile's if not given.",
+    ),
     click.option(
         "--sensor-tilt",
         "tilt_deg",

@@ -89,7 +89,7 @@ def measured(hits: Hits, camera: DepthCamera, rng: np.random.Generator) -> Float
     depth, angle = hits.depth, np.arccos(hits.cosine)
     lost = ~np.isfinite(depth) | (angle > np.radians(GRAZING_DEG))
     lost |= _edges(depth) & (rng.random(depth.shape) < EDGE_DROPOUT)
-    with np.errstate(invalid="ignore"):
+    with np.errstate(invalid="ignore", divide="ignore"):  # of what is lost anyway
         noisy = depth + axial_sigma_m(depth, np.minimum(angle, np.radians(GRAZING_DEG))) * rng.normal(size=depth.shape)
         steps = camera.focal_px * camera.baseline_m / DISPARITY_STEP_PX
         return np.where(lost, np.nan, steps / np.round(steps / noisy))

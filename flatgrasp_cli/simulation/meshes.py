@@ -16,6 +16,8 @@ CONCAVITY = 0.05
 """How far a piece may be from convex, as CoACD measures it: its own default."""
 SEARCH = {"mcts_iterations": 40, "mcts_nodes": 10, "mcts_max_depth": 2, "resolution": 1000}
 """A shorter search than CoACD's own: seconds a mesh instead of half a minute, for a tenth more pieces."""
+SMALLEST_M, LARGEST_M = 0.005, 1.0
+"""What hands on arms hold is longer than a pea and shorter than a broom; all else is in another unit."""
 LEAST_SHARE = 1e-4
 """Of the largest piece's volume; smaller pieces bear nothing and have no inertia that can be computed."""
 
@@ -26,15 +28,19 @@ def mesh_file_thing(path: str, scale: float = 1.0, mass_kg: float | None = None)
     Raises
     ------
     SourceError
-        If there is no such file, it is no mesh, or it has no volume.
+        If it is no mesh, far too small or too large for a hand, or has no volume.
     UsageError
         If CoACD is not installed.
     """
     file = Path(path)
-    if not file.is_file():
-        raise SourceError(f"{path}: there is no such file")
     places, triangles = read_surface(file, path, scale)
     vertices, index = np.unique(places[triangles].reshape(-1, 3), axis=0, return_inverse=True)
+    size = float(np.ptp(vertices, axis=0).max()) if len(vertices) else 0.0
+    if not SMALLEST_M <= size <= LARGEST_M:
+        raise SourceError(
+            f"{path}: is {size:.4g} m long; things of {SMALLEST_M} to {LARGEST_M:g} m are simulated; "
+            "--scale 0.001 says that its unit is the millimetre"
+        )
     surface = Mesh(vertices, index.reshape(-1, 3))
     pieces = convex_pieces(surface)
     if not pieces:

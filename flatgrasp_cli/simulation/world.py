@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from flatgrasp_cli.errors import UsageError
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.simulation.carriers import Carrier
 from flatgrasp_cli.simulation.engine import load_mujoco
@@ -34,13 +35,17 @@ class World:
     """A scene of `things`, with a hand and its carrier, in the world's frame: z up, the table's top z = 0."""
 
     def __init__(self, things: Sequence[Thing], carrier: Carrier, hand: Hand) -> None:
+        """Compile the scene; raises `UsageError` where the engine refuses what things, arm or hand are like."""
         mujoco = load_mujoco()
         spec = empty_scene()
         self._names = [f"thing{number}" for number in range(len(things))]
         for thing, name in zip(things, self._names, strict=True):
             add_thing(spec, thing, name)
         hand.add(spec, carrier.add(spec))
-        self.model = spec.compile()
+        try:
+            self.model = spec.compile()
+        except ValueError as error:
+            raise UsageError(f"MuJoCo cannot simulate this: {' '.join(str(error).split())}") from error
         self.data = mujoco.MjData(self.model)
         self.things, self.carrier, self.hand = tuple(things), carrier, hand
         self.watch: Callable[[], None] | None = None

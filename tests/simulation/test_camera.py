@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from flatgrasp_cli import load_gripper, load_robot
+from flatgrasp_cli.errors import UsageError
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.profiles import list_profiles
@@ -124,6 +125,16 @@ def test_an_arm_brings_its_camera_there_and_the_hand_stays_out_of_view(robot: st
     assert look.camera.to_local(spot)[:2] == pytest.approx([0, 0], abs=1e-6)
     assert look.camera.axes[2, 2] == pytest.approx(-np.cos(np.radians(20)))
     assert not any(in_view(look.camera, flange, corner) for corner in hand_corners(gripper))
+
+
+def test_an_arm_that_gets_its_camera_nowhere_says_what_to_do() -> None:
+    ur5 = load_robot("ur5")
+    short = ur5.dh.model_copy(update={"a_m": (0.0, -0.05, -0.05, 0.0, 0.0, 0.0)})
+    stump = ur5.model_copy(update={"dh": short})
+    with pytest.raises(
+        UsageError, match=r"ur5 brings its camera nowhere .* give another --sensor-tilt, or --robot none"
+    ):
+        look_by_arm(stump, load_gripper("pr2"), spot_of(ur5), np.radians(20), 0.0)
 
 
 def hand_corners(name: str) -> list[FloatArray]:

@@ -7,6 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from flatgrasp_cli import load_gripper, load_robot
+from flatgrasp_cli.errors import UsageError
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import Pose
 from flatgrasp_cli.profiles import list_profiles
@@ -183,3 +184,8 @@ def test_a_hand_that_misses_is_off_in_its_own_plane() -> None:
     assert missed(tips, np.zeros(2), 0.0).orientation == pytest.approx(DOWN)
     assert abs(off.orientation @ DOWN) == pytest.approx(np.cos(np.pi / 4))
     assert palm_at(tips, 0.06).position == pytest.approx([1.0, 2.0, 3.06])
+
+
+def test_what_the_engine_refuses_is_an_error_in_words() -> None:
+    with pytest.raises(UsageError, match=r"MuJoCo cannot simulate this: .*mass"):
+        floating("pr2", block((0.04, 0.03, 0.04), mass_kg=1e-30))

@@ -120,6 +120,11 @@ def test_the_command_prints_a_table_and_ends_with_0(run: Run) -> None:
     assert max(map(len, done.out.splitlines())) <= 80
 
 
+def test_a_camera_that_sees_beyond_the_table_warns_of_nothing(run: Run) -> None:
+    done = run("simulate", "juice_box", "-g", "robotiq_2f_85", "--trials", "1", "--sensor-tilt", "60", "--robot", "ur3")
+    assert (done.code, done.err) == (0, "")
+
+
 def test_what_is_not_held_ends_with_1_and_says_why(run: Run) -> None:
     done = run("simulate", "juice_box", "-g", "robotiq_2f_85", "--trials", "2", "--mu", "0.02", "--force", "30")
     assert done.code == 1
@@ -166,6 +171,7 @@ def test_a_force_that_nobody_states_is_assumed_and_said(run: Run) -> None:
         (["juice_box", "--miss", "5"], 2, "'5' is no miss; give millimetres and perhaps degrees, e.g. 5mm,5deg"),
         (["juice_box", "--robot", "ur6"], 2, "no robot profile named 'ur6'"),
         (["juice_box", "--mu", "-1"], 2, "--mu"),
+        (["juice_box", "--mass", "1e-9"], 2, "--mass"),
         (["juice_box", "--objects-per-scene", "1"], 2, "--objects-per-scene"),
     ],
 )
@@ -185,6 +191,9 @@ def test_a_mesh_file_is_grasped_and_points_are_none(run: Run) -> None:
     assert done.code == 0
     trial = json.loads(done.out)
     assert (trial["object"], trial["conditions"]["mass_kg"]) == ("brick", pytest.approx(400 * 0.06 * 0.04 * 0.03))
+    small = run("simulate", "brick.obj", "--scale", "1e-6")
+    assert (small.code, "brick.obj: is 6e-05 m long; things of 0.005 to 1 m are simulated" in small.err) == (3, True)
+    assert run("simulate", "brick.obj").code == 3
     Path("sheet.obj").write_text("o sheet\nv 0 0 0\nv 1 0 0\nv 0 1 0\n", encoding="utf-8")
     assert "sheet.obj: has no faces; a mesh is wanted" in run("simulate", "sheet.obj").err
 
