@@ -39,11 +39,12 @@ from flatgrasp_cli.profiles import load_settings, loading
 ROOT = Path(__file__).resolve().parent.parent
 ROOMS = ("planner", "scene", "surroundings", "ranking")
 SETTINGS = "settings"
+ON_A_TABLE = ("surroundings/test_depth", "surroundings/test_opening", "surroundings/test_hidden_sides")
 TESTS = {
-    "planner": ("planner/test_silhouette", "planner", "planning/test_analytic", "surroundings/test_depth"),
-    "scene": ("scene", "surroundings/test_depth"),
+    "planner": ("planner/test_silhouette", "planner", "planning/test_analytic", *ON_A_TABLE),
+    "scene": ("scene", *ON_A_TABLE),
     "surroundings": ("surroundings",),
-    "ranking": ("ranking", "planning/test_analytic", "surroundings/test_depth"),
+    "ranking": ("ranking", "planning/test_analytic", *ON_A_TABLE),
     SETTINGS: ("ranking", "planner", "surroundings", "scene", "proof/test_caging_settings", "planning/test_analytic"),
 }
 """The files and folders of tests that could notice, the quickest first."""

@@ -44,7 +44,7 @@ COUNTS = (1, 3, 10)
 STAGES = {
     "read": (),
     "support plane": ((segmentation, "find_support_plane"),),
-    "objects": ((segmentation, "find_clusters"), (segmentation, "_objects")),
+    "objects": ((segmentation, "find_clusters"), (segmentation, "objects_of")),
     "surroundings": ((objects, "places"), (objects, "from_the_side")),
     "silhouette": ((objects, "silhouette_of"),),
     "finger candidates": (

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import gc
 import io
 import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -24,10 +25,16 @@ from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.model import Cloud, Source
 from flatgrasp_cli.profiles import Gripper, PlannerSettings, load_gripper, load_settings
 
+# the command is started many times, and compiled once whatever this environment says
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
 # machines are noisy: no test may fail for being slow, nor for its luck
 settings.register_profile("no-clock", deadline=None, derandomize=True)
 settings.load_profile("no-clock")
 
+EACH = ("variety.apart_m=0",)
+"""The override that lists all grasps in their order, also those at about one place."""
 SAMPLES = Path(__file__).resolve().parent.parent / "sample_data"
 THICKNESS_M = 0.02
 MM = 1e-3
@@ -70,6 +77,13 @@ def cloud_of(points: FloatArray, viewpoint: Sequence[float] = (0.0, 0.0, 1.0)) -
 def planned_sample(name: str, gripper: str = "pr2", method: str = "default") -> Plan:
     """The plan of a sample, made once for all tests that look at it."""
     return plan(next(read_clouds(SAMPLES / f"{name}.pcd")), load_gripper(gripper), load_settings(method))
+
+
+def pytest_collection_finish() -> None:
+    """Look for garbage less often, and not among the modules and tests: that would take a tenth of the time."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(20_000, 20, 20)
 
 
 @pytest.fixture(scope="session")
@@ -170,15 +184,24 @@ class Camera:
 
     def sees(self, *solids: Solid, noise_m: float = 0.5e-3, seed: int = 0) -> Cloud:
         """The cloud in the world's frame; `noise_m` is that of the depth at 0.8 m, growing as its square."""
+        return Cloud(_seen(self, solids, noise_m, seed).copy(), self.frame.origin, Source("test"))
+
+    def rays(self) -> FloatArray:
+        """Those of all pixels (n, 3) in the world's frame, as long as their depth is 1."""
         columns, rows = self.pixels
         u, v = np.meshgrid(np.arange(columns) - 0.5 * (columns - 1), np.arange(rows) - 0.5 * (rows - 1))
         local = np.column_stack([u.ravel(), v.ravel(), np.full(u.size, self.focal)]) / self.focal
-        rays = local @ self.frame.axes
-        depth = np.min([solid.hit(self.frame.origin, rays) for solid in solids], axis=0)
-        rays, depth = rays[np.isfinite(depth)], depth[np.isfinite(depth)]
-        depth += np.random.default_rng(seed).normal(0.0, noise_m, len(depth)) * (depth / 0.8) ** 2
-        points = self.frame.origin + depth[:, None] * rays
-        return Cloud(points, self.frame.origin, Source("test"))
+        return local @ self.frame.axes
+
+
+@lru_cache(maxsize=64)
+def _seen(camera: Camera, solids: tuple[Solid, ...], noise_m: float, seed: int) -> FloatArray:
+    """Points (n, 3), computed once for all tests that look at the same things."""
+    rays, origin = camera.rays(), camera.frame.origin
+    depth = np.min([solid.hit(origin, rays) for solid in solids], axis=0)
+    rays, depth = rays[np.isfinite(depth)], depth[np.isfinite(depth)]
+    depth += np.random.default_rng(seed).normal(0.0, noise_m, len(depth)) * (depth / 0.8) ** 2
+    return np.asarray(origin + depth[:, None] * rays)
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -191,6 +214,15 @@ def nobodys_defaults(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]
         for name in [name for name in os.environ if name.startswith("FLATGRASP_")]:
             patch.delenv(name)
         yield
+
+
+@pytest.fixture
+def blank_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pictures of nothing, for tests that look at which files are written and not at what is drawn."""
+    from flatgrasp_cli.results.figures.style import new_figure
+
+    for figure in ("final_figure", "comparison.comparison_figure", "cage.cage_figure"):
+        monkeypatch.setattr(f"flatgrasp_cli.results.figures.{figure}", lambda *_, **__: new_figure(2, 1))
 
 
 class Ended(NamedTuple):

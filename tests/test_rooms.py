@@ -11,9 +11,9 @@ from typing import TypeVar
 import pytest
 
 import flatgrasp_cli
+from tests.package_trees import FILES, PACKAGE, tree
 
 T = TypeVar("T", ast.FunctionDef, ast.ClassDef, ast.Call)
-PACKAGE = Path(__file__).parent.parent / "flatgrasp_cli"
 GRASPING = re.compile(
     r"\bgrasps?\b|grasping|gripper|planner|robot'?s?\b|finger|support plane|\bhands?\b|\barms?\b|scene|silhouette",
     re.IGNORECASE,
@@ -41,7 +41,7 @@ OPTION = re.compile(r"--[a-z]")
 
 def docstrings(path: Path) -> Iterator[str]:
     """Those of a module, its classes, functions and fields, and its comments."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(tree(path)):
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str):
             yield node.value.value
     yield from (line.partition("#")[2] for line in path.read_text(encoding="utf-8").splitlines())
@@ -65,7 +65,6 @@ def test_every_public_name_is_there_and_documented() -> None:
 
 
 LONGEST_FILE, LONGEST_FUNCTION, MOST_POSITIONAL = 250, 40, 4
-FILES = sorted(PACKAGE.rglob("*.py"))
 
 
 def test_files_are_read_in_one_sitting() -> None:
@@ -74,7 +73,7 @@ def test_files_are_read_in_one_sitting() -> None:
 
 
 def nodes(path: Path, kind: type[T]) -> Iterator[T]:
-    return (node for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(node, kind))
+    return (node for node in ast.walk(tree(path)) if isinstance(node, kind))
 
 
 def test_functions_do_one_thing() -> None:
@@ -104,7 +103,7 @@ def test_the_planner_has_no_branch_on_what_stands_around(word: str) -> None:
     conditions = [
         f"{path.name}:{node.lineno}"
         for path in sorted((PACKAGE / "planner").rglob("*.py"))
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for node in ast.walk(tree(path))
         if isinstance(node, ast.If | ast.IfExp)
         if word in ast.unparse(node.test)
     ]

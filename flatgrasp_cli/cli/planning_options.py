@@ -68,8 +68,8 @@ OPTIONS = (
     *METHOD_OPTIONS,
     option(
         "--scene",
-        type=click.Choice(["auto", "object", "table"]),
-        help="One object alone, or objects on a support plane; auto: judged by the cloud.",
+        type=click.Choice(["auto", "object", "table", "bin"]),
+        help="One object alone, objects on a support plane, or things in a bin; auto: judged by the cloud.",
     ),
     option(
         "--object",

@@ -52,7 +52,9 @@ class ObjectCloud:
 
     They were seen from `viewpoint` (3,), or, if that is None, from all sides. `support` is the plane it stands on, None
     when it was seen alone, and `floor` what was seen of that. Near it lie other points above the plane, `obstacles`
-    (m, 3), for fingers and palm to keep clear of.
+    (m, 3), for fingers and palm to keep clear of. Objects that touch have the same `group`; None touches no other.
+    `cut_off` says that the picture's edge cuts it off, so that it goes on where nobody looked, `at_edge` that it lies
+    at the edge of what was seen of the support plane, and `supports` are the numbers of the objects that lie on it.
     """
 
     id: int
@@ -62,13 +64,19 @@ class ObjectCloud:
     support: SupportPlane | None = None
     obstacles: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
     floor: Floor | None = None
+    group: int | None = None
+    cut_off: bool = False
+    at_edge: bool = False
+    supports: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scene:
     """What a cloud shows: objects, and the plane that they stand on (None: one object, seen alone).
 
-    `clutter` (k, 3) are points above the plane that belong to no object; `reason` says why there is no object.
+    `clutter` (k, 3) are points above the plane that belong to no object, and `container` (k, 3) those of a bin around
+    them; `reason` says why there is no object. `wholes` are groups of objects that touch and are together no larger
+    than one may be: what is known of them if none of the group can be grasped.
     """
 
     support: SupportPlane | None
@@ -76,3 +84,5 @@ class Scene:
     clutter: FloatArray
     reason: str | None = None
     warnings: tuple[CloudWarning, ...] = ()
+    wholes: tuple[ObjectCloud, ...] = ()
+    container: FloatArray = field(default_factory=lambda: np.empty((0, 3)))

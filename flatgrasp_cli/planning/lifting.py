@@ -9,27 +9,38 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion, quaternion_from_axes
 from flatgrasp_cli.geometry.polygon import left_normal
-from flatgrasp_cli.model import Grasp, GraspCandidates, ObjectCloud, ObjectPlan, Pose, Reach, Rejection, Stage
+from flatgrasp_cli.model import (
+    Grasp,
+    GraspCandidates,
+    ObjectCloud,
+    ObjectPlan,
+    Pose,
+    Reach,
+    Rejection,
+    Stage,
+    SupportPlane,
+)
 from flatgrasp_cli.planner.silhouette import without_strays
-from flatgrasp_cli.planning.objects import Answer, answer_for
+from flatgrasp_cli.planning.objects import Answer, answer_for, proved
+from flatgrasp_cli.planning.variety import differing
 from flatgrasp_cli.profiles import Gripper, PlannerSettings, Robot
 from flatgrasp_cli.proof import Certificates
 from flatgrasp_cli.robot import Motion, Plane, flange_at, reach, way_to
 
 REACH_CANDIDATES = 500
-"""The best grasps of an object that a robot is asked about."""
+"""The best grasps of an object that a robot is asked about: a third of a second."""
 
 
 def plan_object(
     cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings, top: int = 10, robot: Robot | None = None
 ) -> ObjectPlan:
-    """The best `top` grasps of one object, with `settings` as `PlannerSettings.resolve` returns them.
+    """The best `top` grasps of one object that differ, with `settings` as `PlannerSettings.resolve` returns them.
 
-    Of those that a `robot` cannot carry out, the best `top` are listed as refused.
+    Of those that a `robot` cannot carry out, the best `top` that differ are listed as refused.
     """
     if cloud.support is None:
         cloud = replace(cloud, points=without_strays(cloud.points, settings.silhouette))
-    answer = answer_for(cloud, gripper, settings, REACH_CANDIDATES if robot else top)
+    answer = answer_for(cloud, gripper, settings)
     item = ObjectPlan(
         object=cloud,
         funnel=answer.funnel,
@@ -43,10 +54,22 @@ def plan_object(
     if answer.grasps is None or answer.shape is None:
         return item
     plane = answer.shape.silhouette.frame
-    found = _lifted(answer, answer.grasps, plane, gripper, _motion(cloud, plane, gripper, settings))
-    if robot is None:
-        return replace(item, grasps=tuple(found.record(k, rank=k + 1) for k in range(len(answer.grasps))))
-    return _reached(item, found, robot, top)
+    motion = _motion(cloud, plane, gripper, settings)
+    rows, reaches = range(len(answer.grasps)), None
+    if robot is not None:
+        rows = rows[:REACH_CANDIDATES]
+        reaches = _reaches(answer.grasps.select(np.array(rows)), plane, gripper, motion, robot, cloud.support)
+        item = _with_reach(item, robot, reaches)
+    listed = differing(answer.grasps, (k for k in rows if not reaches or reaches[k].ok), settings.variety, top)
+    refused = differing(answer.grasps, (k for k in rows if reaches and not reaches[k].ok), settings.variety, top)
+    chosen = [*listed, *refused]
+    found = _lifted(proved(answer.of(chosen), gripper, settings), plane, gripper, motion)
+    ranks = [*range(1, len(listed) + 1), *(k + 1 for k in refused)]
+    grasps = [
+        found.record(n, rank=rank, reached=reaches[k] if reaches else None)
+        for n, (k, rank) in enumerate(zip(chosen, ranks, strict=True))
+    ]
+    return replace(item, grasps=tuple(grasps[: len(listed)]), refused=tuple(grasps[len(listed) :]))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,21 +114,31 @@ class _Lifted:
         )
 
 
-def _lifted(answer: Answer, grasps: GraspCandidates, plane: Frame, gripper: Gripper, motion: Motion) -> _Lifted:
-    """The grasps of an answer, which lie in the x-y plane of a frame, in space.
+def _lifted(answer: Answer, plane: Frame, gripper: Gripper, motion: Motion) -> _Lifted:
+    """The grasps of an answer, which lie in the x-y plane of a frame, in space."""
+    grasps = answer.grasps
+    assert grasps is not None  # noqa: S101 (an object without grasps is not lifted)
+    heights = np.repeat(grasps.touch[:, None, None], 2, axis=1)
+    return _Lifted(
+        grasps=grasps,
+        certificates=answer.certificates,
+        tips=_fingertips(grasps, plane),
+        contacts=plane.to_world(np.concatenate([grasps.contacts, heights], axis=2)),
+        gripper=gripper,
+        motion=motion,
+    )
+
+
+def _fingertips(grasps: GraspCandidates, plane: Frame) -> tuple[Pose, ...]:
+    """The fingertips' poses of grasps in the x-y plane of a frame.
 
     Hand y is the closing axis and hand z = −normal, so hand x = y × z = normal × y: y turned left in the plane.
     """
     position = plane.to_world(np.column_stack([grasps.center, grasps.tip]))
-    heights = np.repeat(grasps.touch[:, None, None], 2, axis=1)
-    contacts = plane.to_world(np.concatenate([grasps.contacts, heights], axis=2))
     axes = np.empty((len(grasps), 3, 3))
     axes[:, 0], axes[:, 1] = left_normal(grasps.axis) @ plane.axes[:2], grasps.axis @ plane.axes[:2]
     axes[:, 2] = -plane.axes[2]
-    tips = tuple(Pose(where, quaternion_from_axes(turn)) for where, turn in zip(position, axes, strict=True))
-    return _Lifted(
-        grasps=grasps, certificates=answer.certificates, tips=tips, contacts=contacts, gripper=gripper, motion=motion
-    )
+    return tuple(Pose(where, quaternion_from_axes(turn)) for where, turn in zip(position, axes, strict=True))
 
 
 def _motion(cloud: ObjectCloud, plane: Frame, gripper: Gripper, settings: PlannerSettings) -> Motion:
@@ -114,24 +147,28 @@ def _motion(cloud: ObjectCloud, plane: Frame, gripper: Gripper, settings: Planne
     return Motion(settings.depth.approach_m, settings.depth.lift_m, away, gripper.symmetric)
 
 
-def _reached(item: ObjectPlan, found: _Lifted, robot: Robot, top: int) -> ObjectPlan:
-    """The plan with the grasps that the robot can carry out, and the best of those that it cannot."""
-    width = found.grasps.width
-    flanges = [flange_at(tips, float(width[k]), found.gripper) for k, tips in enumerate(found.tips)]
+def _reaches(
+    grasps: GraspCandidates,
+    plane: Frame,
+    gripper: Gripper,
+    motion: Motion,
+    robot: Robot,
+    support: SupportPlane | None,
+) -> tuple[Reach, ...]:
+    """Whether the robot can carry out each of the grasps in the x-y plane of a frame."""
+    width = grasps.width
+    flanges = [flange_at(tips, float(width[k]), gripper) for k, tips in enumerate(_fingertips(grasps, plane))]
     positions = np.array([flange.position for flange in flanges])
     axes = np.array([axes_from_quaternion(flange.orientation) for flange in flanges])
-    support = item.object.support
     table = None if support is None else Plane(support.normal, support.offset_m)
-    answers = reach(robot, positions, axes, found.motion, table)
-    kept = [k for k, answer in enumerate(answers) if answer.ok]
-    refused = [k for k, answer in enumerate(answers) if not answer.ok]
-    return replace(
-        item,
-        grasps=tuple(found.record(k, rank=n, reached=answers[k]) for n, k in enumerate(kept[:top], start=1)),
-        refused=tuple(found.record(k, rank=k + 1, reached=answers[k]) for k in refused[:top]),
-        funnel=(*item.funnel, Stage("reach", len(kept))),
-        rejection=None if kept else _why_not(robot, answers),
-    )
+    return reach(robot, positions, axes, motion, table)
+
+
+def _with_reach(item: ObjectPlan, robot: Robot, reaches: tuple[Reach, ...]) -> ObjectPlan:
+    """The plan with how many of the grasps the robot can carry out, and why none if none."""
+    kept = sum(answer.ok for answer in reaches)
+    funnel = (*item.funnel, Stage("reach", kept))
+    return replace(item, funnel=funnel, rejection=None if kept else _why_not(robot, reaches))
 
 
 def _why_not(robot: Robot, answers: tuple[Reach, ...]) -> Rejection:

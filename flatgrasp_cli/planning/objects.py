@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -29,6 +30,9 @@ from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.proof import Certificates, certified, forgiven_m, is_caged, why_not
 from flatgrasp_cli.surroundings import Place, box_on, from_the_side, hanging_m, places
 
+CONSIDERED = 2000
+"""How many of an object's best grasps those to be listed are chosen from: all of them as a rule."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Answer:
@@ -46,9 +50,20 @@ class Answer:
     grasps: GraspCandidates | None = None
     certificates: Certificates | None = None
 
+    def of(self, rows: Sequence[int]) -> Answer:
+        """The answer with only the grasps in `rows`, in that order."""
+        keep = np.array(rows, dtype=np.intp)
+        return replace(
+            self,
+            grasps=self.grasps and self.grasps.select(keep),
+            certificates=self.certificates and self.certificates.select(keep),
+        )
 
-def answer_for(cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings, top: int) -> Answer:
-    """The best `top` grasps of one object in the plane, with `settings` as `PlannerSettings.resolve` returns them.
+
+def answer_for(cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings) -> Answer:
+    """The best grasps of one object in the plane, with `settings` as `PlannerSettings.resolve` returns them.
+
+    They have certificates where these decide which is best.
 
     An object alone is planned as in the paper. Over a support plane the method runs on each of the object's slices, and
     the grasps are those of the slice with the best one; a standing object that cannot be grasped from above is planned
@@ -65,13 +80,13 @@ def answer_for(cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings, 
         reason = f"it hangs {1e3 * hanging:.0f} mm up in the air: only free space was seen below it"
         return _nothing("support", reason)
     cages_decide = settings.caging.require or settings.caging.prefer == "cage"
-    considered = settings.caging.considered if cages_decide else top
+    considered = settings.caging.considered if cages_decide else CONSIDERED
     silhouette = _silhouette(whole, settings)
     center = gravity_center(silhouette, settings.gravity)
 
     def answer(place: Place, silhouette: Silhouette, center: GravityCenter) -> Answer:
         found = _answer(place, PlaneShape(place.box, silhouette, center), gripper, settings, considered)
-        return _proved(found, gripper, settings, top) if cages_decide else found
+        return _by_certificates(found, gripper, settings) if cages_decide else found
 
     best_first = partial(_best_first, by_cage=settings.caging.prefer == "cage")
     best = answer(whole, silhouette, center)
@@ -81,7 +96,7 @@ def answer_for(cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings, 
     if cloud.support is not None and best.grasps is None and (side := _standing(cloud, box.size, settings)):
         silhouette = _silhouette(side, settings)
         best = min(best, answer(side, silhouette, gravity_center(silhouette, settings.gravity)), key=best_first)
-    return best if cages_decide else _proved(best, gripper, settings, top)
+    return best
 
 
 def _silhouette(place: Place, settings: PlannerSettings) -> Silhouette:
@@ -145,29 +160,33 @@ def _surest_first(grasps: GraspCandidates, certificates: Certificates | None, k:
     return (not is_caged(cage), -forgiven_m(cage), float(grasps.cost[k]))
 
 
-def _proved(answer: Answer, gripper: Gripper, settings: PlannerSettings, top: int) -> Answer:
-    """The answer with certificates, and the best `top` of its grasps by the settings' preference.
+def _by_certificates(answer: Answer, gripper: Gripper, settings: PlannerSettings) -> Answer:
+    """The answer with certificates, its grasps in the order that the settings prefer.
 
     With `caging.require`, grasps without a cage are no grasps.
     """
-    if answer.grasps is None or answer.shape is None:
+    answer = proved(answer, gripper, settings)
+    if answer.grasps is None or answer.certificates is None:
         return answer
-    if not settings.caging.certify:
-        return replace(answer, grasps=answer.grasps.first(top))
-    grasps, proved = certified(answer.grasps, answer.shape.silhouette, gripper, settings)
-    funnel, rows = answer.funnel, range(len(grasps))
+    grasps, cages = answer.grasps, answer.certificates.cages
+    kept, funnel = list(range(len(grasps))), answer.funnel
     if settings.caging.require:
-        caged = [k for k in rows if is_caged(proved.cages[k])]
-        funnel = (*funnel, Stage("cage", len(caged)))
-        if not caged:
-            reason = f"none of the {len(grasps)} best grasps is a cage: {why_not(proved.cages[0])}"
-            return replace(answer, grasps=None, funnel=funnel, rejection=Rejection("cage", reason))
-    else:
-        caged = list(rows)
+        kept = [k for k in kept if is_caged(cages[k])]
+        funnel = (*funnel, Stage("cage", len(kept)))
+        if not kept:
+            reason = f"none of the {len(grasps)} best grasps is a cage: {why_not(cages[0])}"
+            return replace(answer, grasps=None, certificates=None, funnel=funnel, rejection=Rejection("cage", reason))
     if settings.caging.prefer == "cage":
-        caged.sort(key=lambda k: _surest_first(grasps, proved, k))
-    kept = np.array(caged[:top], dtype=np.intp)
-    return replace(answer, grasps=grasps.select(kept), certificates=proved.select(kept), funnel=funnel)
+        kept.sort(key=lambda k: _surest_first(grasps, answer.certificates, k))
+    return replace(answer.of(kept), funnel=funnel)
+
+
+def proved(answer: Answer, gripper: Gripper, settings: PlannerSettings) -> Answer:
+    """The answer with a certificate for each of its grasps, if the settings ask for them."""
+    if answer.grasps is None or answer.shape is None or answer.certificates or not settings.caging.certify:
+        return answer
+    grasps, certificates = certified(answer.grasps, answer.shape.silhouette, gripper, settings)
+    return replace(answer, grasps=grasps, certificates=certificates)
 
 
 def _nothing(stage: str, reason: str) -> Answer:

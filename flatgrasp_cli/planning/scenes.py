@@ -88,7 +88,7 @@ def plan(
     scene = segment(cloud, resolved.scene, resolved.seed)
     scene = replace(scene, warnings=(*scene.warnings, *_table_tilted(scene.support))) if robot else scene
     segmented = time.perf_counter()
-    plans = [plan_object(item, gripper, resolved, top, robot) for item in scene.objects]
+    plans = _planned(scene, gripper, resolved, top, robot)
     objects = tuple(sorted(plans, key=_best_first))
     scene_ms, plan_ms = 1e3 * (segmented - began), 1e3 * (time.perf_counter() - segmented)
     return Plan(
@@ -103,6 +103,19 @@ def plan(
     )
 
 
+def _planned(
+    scene: Scene, gripper: Gripper, settings: PlannerSettings, top: int, robot: Robot | None
+) -> list[ObjectPlan]:
+    """The plans of a scene's objects; where objects touch and none of them has a grasp, that of all of them as one."""
+    plans = [plan_object(item, gripper, settings, top, robot) for item in scene.objects]
+    for whole in scene.wholes:
+        parts = [item for item in plans if item.object.group == whole.group]
+        if parts and not any(item.grasps for item in parts):
+            found = plan_object(whole, gripper, settings, top, robot)
+            plans = [*(item for item in plans if item not in parts), found] if found.grasps else plans
+    return plans
+
+
 def _table_tilted(support: SupportPlane | None) -> tuple[CloudWarning, ...]:
     """The warning that the support plane is no table of a robot that stands upright."""
     if support is None or support.normal[2] >= math.cos(math.radians(MAX_TABLE_TILT_DEG)):
@@ -114,6 +127,10 @@ def _table_tilted(support: SupportPlane | None) -> tuple[CloudWarning, ...]:
     return (CloudWarning("table_tilted", text),)
 
 
-def _best_first(item: ObjectPlan) -> tuple[float, int]:
-    """Objects in the order of their best grasps; those without one last, larger first."""
-    return (item.grasps[0].cost_m if item.grasps else math.inf, -len(item.object.points))
+def _best_first(item: ObjectPlan) -> tuple[bool, bool, bool, float, int]:
+    """The order of picking: that of the objects' best grasps, but later what others lie on, or what lies at an edge.
+
+    Objects without a grasp come last, larger first.
+    """
+    cloud, cost = item.object, item.grasps[0].cost_m if item.grasps else math.inf
+    return (not item.grasps, cloud.cut_off or cloud.at_edge, bool(cloud.supports), cost, -len(cloud.points))

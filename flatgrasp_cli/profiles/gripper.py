@@ -32,6 +32,9 @@ class Gripper(Profile):
     """w_f: a finger's size along its pad, across the closing axis, metres."""
     finger_thickness_m: Size
     """A fingertip's size along the closing axis, metres: the room that it needs behind its pad."""
+    finger_root_m: Size | None = None
+    """A finger's size along the closing axis where it leaves the palm, metres, if it is thicker there than at its
+    tip."""
     finger_length_m: Size
     """From the palm to the fingertips' ends, fully open, metres."""
     tip_advance_m: Length = 0.0
@@ -106,6 +109,11 @@ class Gripper(Profile):
     def finger_length_at_m(self, opening_m: float) -> float:
         """From the palm to the fingertips' ends at an opening: arc linkages push them out as they close."""
         return self.finger_length_m + self.tip_advance_m * (1 - min(opening_m / self.max_opening_m, 1.0))
+
+    @property
+    def root_m(self) -> float:
+        """A finger's size along the closing axis where it leaves the palm, metres."""
+        return self.finger_thickness_m if self.finger_root_m is None else self.finger_root_m
 
     def tool_length_m(self, width_m: float) -> float:
         """From the flange to the fingertips' ends when they have closed to a width."""

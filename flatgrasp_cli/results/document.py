@@ -6,34 +6,20 @@ Numbers are finite or null. Adding a key is fine; renaming one or changing its m
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
-from dataclasses import asdict
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from flatgrasp_cli.model import (
-    Grasp,
     ObjectPlan,
     OrientedBox,
     PlaneShape,
-    Pose,
-    Poses,
-    Reach,
     Rejection,
     Sensor,
     Silhouette,
     SupportPlane,
 )
 from flatgrasp_cli.planning import Plan
-from flatgrasp_cli.results.contracts.grasps import (
-    GraspPart,
-    JointsPart,
-    MetricsPart,
-    PosePart,
-    PosesPart,
-    ReachPart,
-)
 from flatgrasp_cli.results.contracts.objects import (
     AabbPart,
     BoxPart,
@@ -46,6 +32,7 @@ from flatgrasp_cli.results.contracts.objects import (
 )
 from flatgrasp_cli.results.contracts.plan import (
     SCHEMA_ID,
+    ContainerPart,
     Document,
     SensorPart,
     SourcePart,
@@ -53,15 +40,12 @@ from flatgrasp_cli.results.contracts.plan import (
     TimingPart,
     WarningPart,
 )
-from flatgrasp_cli.results.numbers import number, numbers, rounded
+from flatgrasp_cli.results.grasps import grasp_part, optional
+from flatgrasp_cli.results.numbers import number, numbers
 from flatgrasp_cli.results.remedies import remedy_of
 
 if TYPE_CHECKING:
-    from flatgrasp_cli.model.grasps import Cage, Closure
     from flatgrasp_cli.profiles.base import Profile
-
-Thing = TypeVar("Thing")
-Made = TypeVar("Made")
 
 
 def to_document(plan: Plan, read_ms: float = 0.0) -> dict[str, Any]:
@@ -93,16 +77,12 @@ def to_document(plan: Plan, read_ms: float = 0.0) -> dict[str, Any]:
         warnings=[WarningPart(code=warning.code, text=warning.text) for warning in plan.warnings],
         frame_id=cloud.frame_name,
         gripper=_values(plan.gripper),
-        robot=_optional(_values, plan.robot),
+        robot=optional(_values, plan.robot),
         settings=_values(plan.settings),
-        support_plane=_optional(_plane, plan.scene.support),
+        support_plane=optional(_plane, plan.scene.support),
+        container=_container(plan),
         objects=[_object(item, plan) for item in plan.objects],
-        timing_ms=TimingPart(
-            read=round(read_ms, 3),
-            scene=round(plan.scene_ms, 3),
-            plan=round(plan.plan_ms, 3),
-            total=round(read_ms + plan.scene_ms + plan.plan_ms, 3),
-        ),
+        timing_ms=_timing(read_ms, plan.scene_ms, plan.plan_ms),
     )
     return dict(document)
 
@@ -111,6 +91,17 @@ def to_json(document: dict[str, Any], *, indent: int | None = None) -> str:
     """The document as text; raises `ValueError` rather than write NaN."""
     separators = (",", ":") if indent is None else None
     return json.dumps(document, indent=indent, separators=separators, allow_nan=False, ensure_ascii=False)
+
+
+def _timing(read_ms: float, scene_ms: float, plan_ms: float) -> TimingPart:
+    read, scene, plan, total = (round(ms, 3) for ms in (read_ms, scene_ms, plan_ms, read_ms + scene_ms + plan_ms))
+    return TimingPart(read=read, scene=scene, plan=plan, total=total)
+
+
+def _container(plan: Plan) -> ContainerPart | None:
+    points, plane = plan.scene.container, plan.scene.support
+    highest = plane.heights(points).max(initial=-1.0) if plane else -1.0
+    return ContainerPart(points=len(points), height_m=float(highest)) if len(points) else None
 
 
 def _sensor(sensor: Sensor) -> SensorPart:
@@ -133,20 +124,24 @@ def _object(item: ObjectPlan, plan: Plan) -> ObjectPart:
     return ObjectPart(
         id=item.object.id,
         points=len(item.object.points),
+        cut_off=item.object.cut_off,
+        at_edge=item.object.at_edge,
+        touches_others=item.object.group is not None,
+        supports=list(item.object.supports),
         status="ok" if item.grasps else "no_grasp",
         reason=rejection.reason if rejection else None,
         remedy=remedy_of(plan, item),
-        nearest_miss=_optional(_miss, rejection),
-        obb=_optional(_box, box),
-        aabb=_optional(_aabb, box),
+        nearest_miss=optional(_miss, rejection),
+        obb=optional(_box, box),
+        aabb=optional(_aabb, box),
         silhouette=None if silhouette is None else _silhouette(silhouette, item.level_m),
-        gravity_center=_optional(_gravity, item.shape),
+        gravity_center=optional(_gravity, item.shape),
         fingers=FingersPart(
             step_m=number(trace.steps[0].step_m) if trace.steps else None, doubted_directions=trace.doubted_directions
         ),
         funnel=[StagePart(stage=stage.stage, kept=stage.kept) for stage in item.funnel],
-        grasps=[grasp_part(grasp, plan) for grasp in item.grasps],
-        refused=[grasp_part(grasp, plan) for grasp in item.refused],
+        grasps=[grasp_part(grasp, plan.gripper) for grasp in item.grasps],
+        refused=[grasp_part(grasp, plan.gripper) for grasp in item.refused],
     )
 
 
@@ -181,60 +176,6 @@ def _gravity(shape: PlaneShape) -> GravityPart:
         distance_m=number(float(np.linalg.norm(center.area - center.points))),
         used=center.used,
     )
-
-
-def grasp_part(grasp: Grasp, plan: Plan) -> GraspPart:
-    """One grasp of a plan."""
-    gripper = plan.gripper
-    return GraspPart(
-        rank=grasp.rank,
-        pose=pose_part(Pose(grasp.position, grasp.orientation)),
-        pre_grasp=pose_part(grasp.pre_grasp),
-        lift=pose_part(grasp.lift),
-        flange=_poses(grasp.flange),
-        hand=None if grasp.hand is grasp.flange else _poses(grasp.hand),
-        tip_shift_m=number(gripper.finger_length_at_m(grasp.width_m) - gripper.finger_length_at_m(grasp.opening_m)),
-        opening_m=number(grasp.opening_m),
-        width_m=number(grasp.width_m),
-        contacts=numbers(grasp.contacts),
-        fingers=cast(Any, list(grasp.fingers)),
-        metrics=cast(MetricsPart, {name: number(getattr(grasp, name)) for name in MetricsPart.__annotations__}),
-        force_closure=_optional(_fields, grasp.closure),
-        cage=_optional(_fields, grasp.cage),
-        reach=_optional(_reach, grasp.reach),
-    )
-
-
-def _poses(poses: Poses) -> PosesPart:
-    return PosesPart(pose=pose_part(poses.pose), pre_grasp=pose_part(poses.pre_grasp), lift=pose_part(poses.lift))
-
-
-def pose_part(pose: Pose) -> PosePart:
-    """A pose."""
-    return PosePart(position=numbers(pose.position), orientation=numbers(pose.orientation))
-
-
-def _reach(reach: Reach) -> ReachPart:
-    joints = None if reach.joints_rad is None else numbers(reach.joints_rad)
-    return ReachPart(
-        ok=reach.ok,
-        joints_rad=joints and JointsPart(pre_grasp=joints[0], grasp=joints[1], lift=joints[2]),
-        manipulability=number(reach.manipulability),
-        manipulability_share=number(reach.manipulability_share),
-        twin=reach.twin,
-        waypoint=reach.waypoint,
-        limit=reach.limit,
-    )
-
-
-def _optional(part: Callable[[Thing], Made], thing: Thing | None) -> Made | None:
-    """The part that is made of a thing; None without one."""
-    return None if thing is None else part(thing)
-
-
-def _fields(record: Cage | Closure) -> Any:
-    """What a record of numbers holds, by name."""
-    return rounded(asdict(record))
 
 
 def _values(profile: Profile) -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import cv2
@@ -16,6 +16,7 @@ from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Floor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.cells import LEVEL_WINDOW_M, SortedPoints, fitting_cell_m, smoothed
+from flatgrasp_cli.scene.masks import ends_of, hull_of, span_of
 from flatgrasp_cli.scene.strays import lonely
 from flatgrasp_cli.scene.support_plane import MAD_TO_SIGMA
 
@@ -38,6 +39,9 @@ EDGE_M, EDGE_RIPPLE_M = 0.03, 0.01
 """Within the first of the plane's edge, a cluster no higher than the second is no object, metres: a stereo camera
 matches windows of some 20 pixels, 30 mm at a metre. Near the edge they also hold what lies beyond it, and the plane's
 own height is wrong by up to a centimetre."""
+PATCH_M = 0.03
+"""Least width of a piece of the support plane at its widest place, metres: three fingers. What only crosses the plane,
+as a wall does, is narrower."""
 MIN_POINTS = 30
 """Least number of points in the cells of an object: with fewer, an outline is mostly noise."""
 STRAY_M, STRAY_CELLS = 0.01, 3.0
@@ -65,8 +69,10 @@ a pan, whose rim stands around it."""
 class Clusters:
     """Indices of the points of each object and of those above the plane that belong to none; and the plane itself.
 
-    `floor` is what was seen of the plane with nothing on it. `lie_on_table` tells whether there are objects and enough
-    of the plane around them, so that it is not a part of one. `extent_m` is the plane's diagonal.
+    Objects that touched have the same of the `groups`; None is that of those that stand apart. `container` are the
+    indices of the points of a bin around the objects, whose walls are `solid` (k, 3). `floor` is what was seen of the
+    plane with nothing on it. `lie_on_table` tells whether there are objects, and enough of the plane around them not to
+    be part of one; `extent_m` is the plane's diagonal.
     """
 
     members: tuple[IntArray, ...]
@@ -74,6 +80,9 @@ class Clusters:
     floor: Floor
     lie_on_table: bool
     extent_m: float
+    groups: tuple[int | None, ...] = ()
+    container: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.intp))
+    solid: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
 
 
 def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettings) -> Clusters | None:
@@ -82,7 +91,7 @@ def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettin
     found, heights = _sorted(points, frame, _raster(points, frame, plane.noise_m), -PLANE_SIGMAS * plane.noise_m)
     total = found.total(heights)
     own = total / np.maximum(found.count, 1)
-    table = _largest((found.count > 0) & (np.abs(own) < PLANE_SIGMAS * plane.noise_m))
+    table = _broad((found.count > 0) & (np.abs(own) < PLANE_SIGMAS * plane.noise_m), found.raster.cell_m)
     if not table.any():
         return None
     standing = _standing(found, own, table, plane.noise_m, settings)
@@ -100,7 +109,7 @@ def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettin
         clutter=rows[~np.isin(piece, chosen)],
         floor=_floor(frame, found, total, rows, heights[rows]),
         lie_on_table=bool(chosen) and _outside_share(labels, chosen, table) >= LEAST_OUTSIDE,
-        extent_m=float(found.raster.cell_m * np.hypot(*_span(table))),
+        extent_m=float(found.raster.cell_m * np.hypot(*span_of(table))),
     )
 
 
@@ -171,18 +180,23 @@ def _labels(mask: Any) -> IntArray:
     return np.asarray(cv2.connectedComponents(mask, connectivity=8)[1], dtype=np.int32)
 
 
-def _largest(mask: BoolArray) -> BoolArray:
-    """The largest connected piece of `mask`, gaps of a cell bridged."""
-    labels = _labels(cv2.dilate(mask.view(np.uint8), np.ones((3, 3), np.uint8)))
-    sizes = np.bincount(labels[mask], minlength=1)
-    sizes[:1] = 0
-    return np.asarray((labels == np.argmax(sizes)) & mask)
+def _broad(mask: BoolArray, cell_m: float) -> BoolArray:
+    """The connected pieces of `mask`, gaps of a cell bridged, that are somewhere as wide as `PATCH_M`.
+
+    Shadows and things cut a table in pieces. What only crosses its plane, as a wall does, is narrow there.
+    """
+    bridged = cv2.dilate(mask.view(np.uint8), np.ones((3, 3), np.uint8))
+    width = 2 * round(0.5 * PATCH_M / cell_m) + 1
+    labels = _labels(bridged)
+    core = cv2.erode(bridged, np.ones((width, width), np.uint8)) > 0
+    broad = np.bincount(labels[core], minlength=int(labels.max()) + 1) > 0
+    return np.asarray(broad[labels] & mask)
 
 
 def _objects(
     found: SortedPoints, labels: IntArray, heights: FloatArray, table: BoolArray, settings: SceneSettings
 ) -> list[int]:
-    """Names of the clusters that are objects, largest first: large enough, not too long, and amid the plane."""
+    """Names of the clusters that are objects, largest first: large enough, and amid the plane."""
     import shapely
 
     cell = np.flatnonzero(labels)
@@ -191,14 +205,12 @@ def _objects(
     cells = np.bincount(name_of)
     points = np.bincount(name_of, weights=found.count.ravel()[cell])
     large = (cells * found.raster.cell_m**2 >= settings.min_size_m**2) & (points >= MIN_POINTS)
-    hull = _hull(table)
+    hull = hull_of(table)
     amid, beyond_ripple = (hull.buffer(-margin / found.raster.cell_m) for margin in (RIM_M, EDGE_M))
     chosen = []
     for name in np.flatnonzero(large).tolist():
         own = np.stack([row[name_of == name], column[name_of == name]])
         low, high = own.min(axis=1), own.max(axis=1) + 1
-        if found.raster.cell_m * np.hypot(*(high - low)) > settings.max_size_m:
-            continue
         middle = own.mean(axis=1)
         if heights[*own].max() < EDGE_RIPPLE_M and not shapely.contains_xy(beyond_ripple, *own).any():
             continue
@@ -210,41 +222,20 @@ def _objects(
     return sorted(chosen, key=lambda name: -int(cells[name]))
 
 
-def _hull(mask: BoolArray) -> Any:
-    """Convex hull of a mask's cells, as a shapely geometry; the first and the last cell of each row suffice."""
-    import shapely
-
-    rows, first, last = _ends(mask)
-    ends = np.column_stack([np.tile(rows, 2), np.concatenate([first, last])])
-    return shapely.LineString(ends).convex_hull  # of a line: a geometry of many points takes long to make
-
-
-def _ends(mask: BoolArray) -> tuple[IntArray, IntArray, IntArray]:
-    """The rows in which a mask has cells, and the first and last column of the cells in each."""
-    rows = np.flatnonzero(mask.any(axis=1))
-    last = mask.shape[1] - 1 - mask[rows, ::-1].argmax(axis=1)
-    return rows, mask[rows].argmax(axis=1), last
-
-
-def _span(mask: BoolArray) -> FloatArray:
-    """How many cells lie between a mask's first and last row and column (2,)."""
-    rows, first, last = _ends(mask)
-    return np.array([np.ptp(rows), last.max() - first.min()], dtype=np.float64)
-
-
 def _sectors(low: IntArray, high: IntArray, middle: FloatArray, table: BoolArray, reach: float) -> int:
     """In how many directions from a cluster's `middle` (2,) the plane is seen within `reach` cells of its box."""
     start, end = np.maximum(low - round(reach), 0), high + round(reach)
     row, column = np.nonzero(table[start[0] : end[0], start[1] : end[1]])
     angle = np.arctan2(row + start[0] - middle[0], column + start[1] - middle[1])
-    return len(np.unique(np.floor(angle * SECTORS / (2 * np.pi)) % SECTORS))
+    sector = np.floor(angle * SECTORS / (2 * np.pi)) % SECTORS
+    return int(np.count_nonzero(np.bincount(sector.astype(np.intp), minlength=SECTORS)))
 
 
 def _outside_share(labels: IntArray, chosen: list[int], table: BoolArray) -> float:
     """Share of the plane's cells outside the objects' convex hulls: a hollow object's floor lies inside its own."""
     covered = np.zeros(table.shape, dtype=np.uint8)
     for name in chosen:
-        rows, first, last = _ends(labels == name)
+        rows, first, last = ends_of(labels == name)
         ends = np.column_stack([np.concatenate([first, last]), np.tile(rows, 2)])  # OpenCV's x is the column
         cv2.fillConvexPoly(covered, cv2.convexHull(ends.astype(np.int32)), 1)
     return 1.0 - int(np.count_nonzero(table & (covered > 0))) / max(1, int(np.count_nonzero(table)))

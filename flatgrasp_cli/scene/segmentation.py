@@ -8,15 +8,13 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Cloud, ObjectCloud, Scene, Sensor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
-from flatgrasp_cli.scene.clusters import Clusters, find_clusters
+from flatgrasp_cli.scene.clusters import find_clusters
+from flatgrasp_cli.scene.faint import without_faint
+from flatgrasp_cli.scene.heaps import Heap
+from flatgrasp_cli.scene.objects import objects_of, overlook
 from flatgrasp_cli.scene.selection import cropped, selected
-from flatgrasp_cli.scene.support_plane import SAMPLE, find_support_plane, looks_down
+from flatgrasp_cli.scene.support_plane import SAMPLE, find_support_plane
 
-NEAR_M = 0.2
-"""Points farther than this from an object's bounding box, metres, cannot meet the hand: hands are some 10 to 20 cm
-wide."""
-OVERHEAD_M = 1.0
-"""Where no sensor is known, shadows are those of one so far straight above an object, metres."""
 LARGEST_EXTENT_M = 20.0
 """No view of objects for a gripper is wider than this, metres; a lidar's is, and so is a cloud in millimetres."""
 UPRIGHT_SHARE = 0.2
@@ -53,12 +51,23 @@ def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
         if settings.mode == "auto":
             return _alone(cloud.points, sensor, settings.up)
         return Scene(None, (), cloud.points, NO_PLANE)
-    small = clusters.extent_m <= settings.max_size_m
+    viewpoint = overlook(cloud.points, sensor, plane)
+    clusters = without_faint(cloud.points, clusters, plane, viewpoint)
+    heap = Heap(cloud.points, clusters, plane, viewpoint, settings=settings)
+    container = heap.container()
+    small = clusters.extent_m <= settings.max_size_m and container is None
     if settings.mode == "auto" and small and (not clusters.lie_on_table or _goes_on_below(cloud.points, plane)):
         return _alone(cloud.points, sensor, settings.up)
-    objects = _objects(cloud, sensor, plane, clusters)
-    reason = None if objects else NOTHING_STANDS
-    return Scene(plane, selected(objects, settings.select, sensor), cloud.points[clusters.clutter], reason)
+    clusters = heap.apart(container)
+    objects, wholes = objects_of(cloud, sensor, plane, clusters)
+    return Scene(
+        support=plane,
+        objects=selected(objects, settings.select, sensor),
+        clutter=cloud.points[clusters.clutter],
+        reason=None if objects else NOTHING_STANDS,
+        wholes=wholes,
+        container=cloud.points[clusters.container],
+    )
 
 
 def _too_large(points: FloatArray) -> str | None:
@@ -89,33 +98,3 @@ def _alone(points: FloatArray, sensor: Sensor, up: tuple[float, float, float] | 
         length = max(float(np.linalg.norm(toward)), 1e-12)
         toward = np.asarray(up) / np.linalg.norm(up) + UPRIGHT_SHARE * toward / length
     return Scene(None, (ObjectCloud(0, points, toward, sensor.position),), np.empty((0, 3)))
-
-
-def _objects(cloud: Cloud, sensor: Sensor, plane: SupportPlane, clusters: Clusters) -> tuple[ObjectCloud, ...]:
-    """The clusters as objects, each with whatever else stands near it."""
-    rows = (*clusters.members, clusters.clutter)
-    ends = np.cumsum([len(own) for own in rows])
-    standing = cloud.points[np.concatenate(rows)]
-    columns = np.ascontiguousarray(standing.T)
-    seen_from_above = looks_down(sensor, plane.normal, plane.offset_m)
-    found = []
-    for index in range(len(clusters.members)):
-        mine = slice(ends[index] - len(rows[index]), ends[index])
-        near = np.ones(len(standing), dtype=np.bool_)
-        for values in columns:
-            near &= (values > values[mine].min() - NEAR_M) & (values < values[mine].max() + NEAR_M)
-        near[mine] = False
-        middle = columns[:, mine].mean(axis=1)
-        viewpoint = sensor.position if seen_from_above else middle + OVERHEAD_M * plane.normal
-        found.append(
-            ObjectCloud(
-                id=index,
-                points=standing[mine],
-                toward=plane.normal if viewpoint is None else viewpoint - middle,
-                viewpoint=None if sensor.sees_all_sides else viewpoint,
-                support=plane,
-                obstacles=standing[np.flatnonzero(near)],
-                floor=clusters.floor,
-            )
-        )
-    return tuple(found)

@@ -34,6 +34,10 @@ are some degrees off."""
 SECOND_SHARE = 0.3
 """Of planes on top of each other (table, floor) the nearer counts if it has this share of the larger one's points: a
 table that is the subject of a view fills a good part of it, a box on it does not."""
+CLEAR_BELOW, MOST_BELOW_M, MOST_CUT = 2.0, 0.1, 0.15
+"""What lies lower by so many tolerances, and no more than by this, is close below a plane; and how many such points,
+over its own, a plane may have. Beside tables there are edges, and below them a floor that is farther away; a plane
+through the tops of things in a bin has half of the bin below it."""
 REFINEMENTS = 2
 """Number of fits: one with the first tolerance, and one with that which follows from the plane's own scatter."""
 INLIER_SIGMAS = 3.0
@@ -66,6 +70,7 @@ def find_support_plane(points: FloatArray, sensor: Sensor, settings: SceneSettin
         fits = planes  # too large for an object alone: a low camera looks along the floor
     if not fits:
         return None
+    fits = [fit for fit in fits if not _cuts(fit, sample, sensor)] or fits
     biggest = max(fits, key=lambda fit: fit.share)
     stacked = [fit for fit in fits if fit.normal @ biggest.normal > PARALLEL_COS]
     stacked = [fit for fit in stacked if fit.share > SECOND_SHARE * biggest.share]
@@ -77,6 +82,13 @@ def looks_down(sensor: Sensor, normal: FloatArray, offset: float) -> bool:
     if sensor.position is None:
         return False
     return bool(normal @ sensor.position - offset >= MIN_SENSOR_HEIGHT_M)
+
+
+def _cuts(fit: _Fit, sample: FloatArray, sensor: Sensor) -> bool:
+    """Whether much goes on close below a plane, which then is one through things and not what they stand on."""
+    heights, tolerance = sample @ fit.normal - fit.offset, _tolerance(sample, sensor)
+    below = (heights < -CLEAR_BELOW * tolerance) & (heights > -MOST_BELOW_M)
+    return int(np.count_nonzero(below)) > MOST_CUT * int(np.count_nonzero(np.abs(heights) < tolerance))
 
 
 def _faces(fit: _Fit, sample: FloatArray, sensor: Sensor, settings: SceneSettings) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from flatgrasp_cli.results.contracts.trial import SCHEMA_ID, ConditionsPart, TrialDocument
-from flatgrasp_cli.results.document import grasp_part, pose_part
+from flatgrasp_cli.results.grasps import grasp_part, pose_part
 from flatgrasp_cli.results.numbers import number
 from flatgrasp_cli.simulation.trial import Conditions, Trial
 
@@ -26,7 +26,7 @@ def trial_document(trial: Trial, conditions: Conditions, cloud: str | None = Non
         object_pose=pose_part(trial.place),
         camera_pose=pose_part(trial.camera),
         frame_id=plan.cloud.frame_name,
-        grasp=None if plan.best is None else grasp_part(plan.best, plan),
+        grasp=None if plan.best is None else grasp_part(plan.best, plan.gripper),
         conditions=_conditions(trial, conditions),
         cloud=cloud,
     )

@@ -51,18 +51,18 @@ class Alone:
     ) -> GraspCandidates:
         """The pairs at which the object stays out of the palm, with the fingertips' ends in the main plane."""
         above, long_m = float(silhouette.heights.max()), gripper.finger_length_m
+        grasps = grasps.having(opening=openings(grasps, gripper, self.settings.hand))
         kept = funnel.at_most(
             "palm",
             grasps,
-            palm_intrusion(silhouette, grasps.center, grasps.axis, gripper),
+            palm_intrusion(silhouette, grasps, gripper),
             0.0,
             lambda _: f"the object stands {above:.3f} m above the fingertips, fingers are {long_m:.3f} m long",
         )
         grasps = grasps.select(kept)
-        opening, unknown = openings(grasps, gripper, self.settings.hand), np.full(len(grasps), np.nan)
-        level = np.zeros(len(grasps))
-        margin = 0.5 * (opening - grasps.width)
-        return grasps.having(opening=opening, tip=level, grip=unknown, margin=margin, unseen=unknown, touch=level)
+        level, unknown = np.zeros(len(grasps)), np.full(len(grasps), np.nan)
+        margin = 0.5 * (grasps.opening - grasps.width)
+        return grasps.having(tip=level, grip=unknown, margin=margin, unseen=unknown, touch=level)
 
     def cost(self, grasps: GraspCandidates, /) -> FloatArray:
         """Nothing (p,): the way to an object alone is free."""
@@ -75,18 +75,19 @@ def openings(grasps: GraspCandidates, gripper: Gripper, settings: HandSettings) 
     return np.asarray(np.minimum(grasps.width + 2 * np.minimum(spare, settings.preshape_m), gripper.max_opening_m))
 
 
-def palm_intrusion(silhouette: Silhouette, hand_centers: FloatArray, axes: FloatArray, gripper: Gripper) -> FloatArray:
-    """How far (p,) the object reaches into the palm of hands at `hand_centers` closing along `axes` (p, 2); 0 if not.
+def palm_intrusion(silhouette: Silhouette, grasps: GraspCandidates, gripper: Gripper) -> FloatArray:
+    """How far (p,) the object reaches into the palm and the fingers' roots of each hand; 0 if it does not.
 
     The fingertips' ends lie in the main plane, so only points higher than the fingers are long can meet the palm.
     """
-    intrusion = np.zeros(len(hand_centers))
+    intrusion = np.zeros(len(grasps))
+    along = 0.5 * np.maximum(gripper.palm_m, grasps.opening + 2 * gripper.root_m)
     tall = silhouette.heights > gripper.finger_length_m
     if not tall.any():
         return intrusion
     points, excess = silhouette.points[tall], silhouette.heights[tall] - gripper.finger_length_m
-    for part in chunks(len(hand_centers), len(points)):
-        x, y = in_frames(points, hand_centers[part], axes[part])
-        inside = (np.abs(x) <= 0.5 * gripper.hand_width_m) & (np.abs(y) <= 0.5 * gripper.palm_m)
+    for part in chunks(len(grasps), len(points)):
+        x, y = in_frames(points, grasps.center[part], grasps.axis[part])
+        inside = (np.abs(x) <= 0.5 * gripper.hand_width_m) & (np.abs(y) <= along[part])
         intrusion[part] = np.where(inside, excess[:, None], 0.0).max(axis=0)
     return intrusion

@@ -10,6 +10,7 @@ from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 from flatgrasp_cli.geometry.polygon import in_frames, left_normal
 from flatgrasp_cli.model import GraspCandidates
 from flatgrasp_cli.profiles.gripper import Gripper
+from flatgrasp_cli.profiles.settings import HandSettings
 
 AT_CONTACT_M = 0.005
 """Closer to the pad than this, metres, a point of the object may be one that the pad rests on: two cells of the map and
@@ -60,13 +61,45 @@ def under_fingers(
     return found, hidden
 
 
-def under_palm(middle: FloatArray, axis: FloatArray, chart: HeightMap, least_m: float, gripper: Gripper) -> FloatArray:
-    """Highest point (p,) below the palm, metres, if it is higher than `least_m`: what is lower is not in its way."""
-    highest = np.full(len(middle), UNSEEN)
-    reach = 0.5 * np.array([gripper.hand_width_m, gripper.palm_m]) + 0.5 * chart.cell_m
+def palm_room(
+    grasps: GraspCandidates, chart: HeightMap, headroom: float, gripper: Gripper, settings: HandSettings
+) -> FloatArray:
+    """How far (p,) the palm may miss to its sides before it meets something: not at all, half the preshape, or all.
+
+    What is more than `headroom` higher than the fingertips is in the palm's way.
+    """
+    room = np.zeros(len(grasps))
+    if len(grasps) == 0:
+        return room
+    lowest = float(grasps.tip.min()) + headroom
+    for miss_m in (0.5 * settings.preshape_m, settings.preshape_m):
+        beside_m = miss_m + settings.clearance_m
+        (met,) = under_palm(grasps, grasps.opening[None], chart, lowest, gripper, beside_m)
+        room = np.where(met <= grasps.tip + headroom, miss_m, room)
+    return room
+
+
+def under_palm(
+    grasps: GraspCandidates,
+    openings: FloatArray,
+    chart: HeightMap,
+    least_m: float,
+    gripper: Gripper,
+    beside_m: float = 0.0,
+) -> FloatArray:
+    """Highest point (m, p) below the hand and `beside_m` around it, metres, if it is higher than `least_m`.
+
+    What is lower is not in its way. The hand above its fingers is the palm and the fingers' roots, which lie farther
+    out the wider the fingers are open: each of p hands comes with m `openings` (m, p).
+    """
+    highest, middle, axis = np.full(openings.shape, UNSEEN), grasps.center, grasps.axis
+    beside_m += 0.5 * chart.cell_m
+    across = 0.5 * gripper.hand_width_m + beside_m
+    along = 0.5 * np.maximum(gripper.palm_m, openings + 2 * gripper.root_m) + beside_m
     tall = chart.higher_than(least_m)
     x, y, _ = tall.T
-    (left, low), (right, high) = middle.min(axis=0) - reach.sum(), middle.max(axis=0) + reach.sum()
+    reach = across + float(along.max())
+    (left, low), (right, high) = middle.min(axis=0) - reach, middle.max(axis=0) + reach
     tall = tall[(x > left) & (x < right) & (y > low) & (y < high)]
     tall = tall[np.argsort(-tall[:, 2], kind="stable")]
     if len(tall) == 0:
@@ -74,8 +107,10 @@ def under_palm(middle: FloatArray, axis: FloatArray, chart: HeightMap, least_m: 
     for first in range(0, len(middle), size := max(1, MAX_PAIRS // len(tall))):
         part = slice(first, first + size)
         x, y = in_frames(tall[:, :2], middle[part], axis[part])
-        inside = (np.abs(x) <= reach[0]) & (np.abs(y) <= reach[1])
-        highest[part] = np.where(inside.any(axis=0), tall[inside.argmax(axis=0), 2], UNSEEN)
+        under = np.abs(x) <= across
+        for found, limit in zip(highest[:, part], along[:, part], strict=True):
+            inside = under & (np.abs(y) <= limit)
+            found[:] = np.where(inside.any(axis=0), tall[inside.argmax(axis=0), 2], UNSEEN)
     return highest
 
 

@@ -15,7 +15,7 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
-from flatgrasp_cli.surroundings.below import fingers_meet, palm_meets, too_low, under_fingers, under_palm
+from flatgrasp_cli.surroundings.below import fingers_meet, palm_meets, palm_room, too_low, under_fingers, under_palm
 from flatgrasp_cli.surroundings.maps import Relief
 from flatgrasp_cli.surroundings.slices import lowest_tip
 from flatgrasp_cli.surroundings.walls import walls
@@ -55,7 +55,8 @@ def descended(
     lowest = np.minimum(around.lowest_m, lowest_tip(held.firm, depth))
     lowest = np.maximum(lowest, around.level_m - depth.slice_step_m)  # what lies deeper is for a lower slice
     headroom = gripper.finger_length_m - depth.palm_clearance_m
-    palm = under_palm(grasps.center, grasps.axis, maps.coarse, lowest.min() + headroom, gripper)
+    openings = grasps.width + 2 * margins
+    palm = under_palm(grasps, openings, maps.coarse, float(lowest.min()) + headroom, gripper)
     tips = _tips(below, palm - headroom, lowest, held, around)
     choice = np.argmax(tips <= tips.min(axis=0) + LOWER_M, axis=0)  # the widest that lets the tips down so far
     columns = np.arange(len(grasps))
@@ -65,8 +66,9 @@ def descended(
         nearest = int(np.argmin(held.need - (held.firm - tip)))
         if held.firm[nearest] - lowest[nearest] < held.need[nearest]:
             return too_low(float(held.firm[nearest] - lowest[nearest]), float(held.need[nearest]))
-        if palm[nearest] - headroom >= tip[nearest]:
-            return palm_meets(value, float(palm[nearest]), gripper)
+        met_by_palm = float(palm[choice[nearest], nearest])
+        if met_by_palm - headroom >= tip[nearest]:
+            return palm_meets(value, met_by_palm, gripper)
         one = np.array([nearest])
         others, _ = under_fingers(grasps.select(one), margins[:, one], maps.rest, maps.rest, gripper, clear_m)
         return fingers_meet(value, float(below[choice[nearest], nearest]), float(others[choice[nearest], 0]))
@@ -80,6 +82,8 @@ def descended(
         unseen=unseen[choice, columns],
         touch=np.clip(held.seen, tip, np.maximum(held.wall, tip)),
     ).select(kept)
+    room = palm_room(grasps, maps.coarse, headroom, gripper, settings.hand)
+    grasps = grasps.having(margin=np.minimum(grasps.margin, room))
     return _looked_into(grasps, funnel) if depth.unseen == "refuse" else grasps
 
 
@@ -97,8 +101,8 @@ def _held(fingers: FingerCandidates, grasps: GraspCandidates, around: Relief, gr
 def _tips(below: FloatArray, palm_tip: FloatArray, lowest: FloatArray, held: _Upright, around: Relief) -> FloatArray:
     """Heights (MARGINS, p) at which the fingertips end, from what is `below` the fingers at each of the openings.
 
-    `palm_tip` (p,) is where they end if the palm meets something, `lowest` (p,) how low they may go beside a part that
-    is too low for the usual depth.
+    `palm_tip` (MARGINS, p) is where they end if the palm meets something, `lowest` (p,) how low they may go beside a
+    part that is too low for the usual depth.
     """
     depth = around.settings.depth
     clearance = np.where(below > around.lowest_m, depth.obstacle_clearance_m, depth.min_clearance_m)

@@ -14,9 +14,9 @@ from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Ros2Writer
 
 from flatgrasp_cli.batch.slices import FRAMES
-from tests.cli.test_cli import slab
+from tests.plates import slab
 from tests.recordings.writing import CLOUD_TYPE, POINTS, ROS2, START_NS
-from tests.sources.test_recordings import cloud_message
+from tests.sources.recordings import cloud_message
 
 PERIOD_NS = 100_000_000
 LONG = 4 * FRAMES

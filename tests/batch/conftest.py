@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.batch.batches import FAST, LONG, batch, files, record
-from tests.cli.test_cli import slab, write_pcd
+from tests.batch.batches import FAST, LONG, files, record
+from tests.cli.command_line import called
+from tests.plates import slab, write_pcd
 
 
 @pytest.fixture(scope="session")
@@ -21,8 +22,14 @@ def plate(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def whole(long: Path, plate: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
-    """The files of a batch that nothing disturbed."""
-    folder = tmp_path_factory.mktemp("whole")
-    assert batch(long, plate, "-o", "out", "-j", "1", *FAST, cwd=folder).returncode == 0
-    return files(folder / "out")
+def whole_folder(long: Path, plate: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The results of a batch that nothing disturbed."""
+    out = tmp_path_factory.mktemp("whole") / "out"
+    assert called("batch", long, plate, "-o", out, "-j", "1", *FAST) == (0, "")
+    return out
+
+
+@pytest.fixture(scope="session")
+def whole(whole_folder: Path) -> dict[str, str]:
+    """The files of it."""
+    return files(whole_folder)

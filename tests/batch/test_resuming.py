@@ -18,8 +18,8 @@ from flatgrasp_cli.batch import run as run_module
 from flatgrasp_cli.batch.work import work as work_of_a_slice
 from flatgrasp_cli.whole_files import write_text
 from tests.batch.batches import COMMAND, FAST, documents, files
-from tests.cli.test_cli import slab, write_pcd
 from tests.conftest import SAMPLES, Ended, Run
+from tests.plates import slab, write_pcd
 
 
 @pytest.fixture
@@ -164,11 +164,11 @@ def test_a_full_disk_leaves_what_is_whole(
     assert files(Path("out")) == whole
 
 
-def test_an_input_that_vanishes_costs_only_itself(long: Path, plate: Path, run: Run, tmp_path: Path) -> None:
-    done = run("batch", long, tmp_path / "gone.bag", plate, "-o", "out", "-j", "1", *FAST)
+def test_an_input_that_vanishes_costs_only_itself(plate: Path, run: Run, tmp_path: Path) -> None:
+    done = run("batch", SAMPLES / "pan.pcd", tmp_path / "gone.bag", plate, "-o", "out", "-j", "1", *FAST)
     assert done.code == 3
     assert "gone.bag" in done.err
-    assert {path.name for path in Path("out").glob("*.jsonl")} == {"long.jsonl", "plate.pcd.jsonl"}
+    assert {path.name for path in Path("out").glob("*.jsonl")} == {"pan.pcd.jsonl", "plate.pcd.jsonl"}
 
 
 def test_quiet(plate: Path, run: Run) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from tests.conftest import SAMPLES, Ended, Run
+from tests.conftest import EACH, SAMPLES, Ended, Run
 
 BOX = SAMPLES / "juice_box.pcd"
 
@@ -38,7 +38,7 @@ def test_the_command_line_beats_the_environment_and_that_the_file(
     home: Path, run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def found(*options: str) -> tuple[str, int]:
-        answer = document(run("plan", BOX, "--json", *options))
+        answer = document(run("plan", BOX, "--json", "--set", EACH[0], *options))
         return answer["gripper"]["name"], len(answer["objects"][0]["grasps"])
 
     assert found() == ("lacquey", 10)
@@ -53,7 +53,7 @@ def test_the_command_line_beats_the_environment_and_that_the_file(
 def test_a_named_file_stands_in_for_the_users_own(home: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     written(home / "flatgrasp.yaml", "gripper: pr2\ntop: 3\n")
     lab = written(home / "lab.yaml", "gripper: wsg_50\n")
-    answer = document(run("plan", BOX, "--json", "--config", lab))
+    answer = document(run("plan", BOX, "--json", "--config", lab, "--set", EACH[0]))
     assert (answer["gripper"]["name"], len(answer["objects"][0]["grasps"])) == ("wsg_50", 10)
     monkeypatch.setenv("FLATGRASP_CONFIG", str(lab))
     assert document(run("plan", BOX, "--json"))["gripper"]["name"] == "wsg_50"

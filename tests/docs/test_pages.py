@@ -18,11 +18,11 @@ from flatgrasp_cli.profiles import list_profiles
 from flatgrasp_cli.results.contracts import json_schema
 from flatgrasp_cli.robot.reach import LIMITS
 from flatgrasp_cli.simulation.samples import SAMPLES
+from tests.package_trees import FILES, PACKAGE, tree
 
 ROOT = Path(__file__).resolve().parents[2]
-PACKAGE, DOCS = ROOT / "flatgrasp_cli", ROOT / "docs"
+DOCS = ROOT / "docs"
 PAGES = sorted(path for path in DOCS.rglob("*.md"))
-TREES = [ast.parse(path.read_text(encoding="utf-8")) for path in sorted(PACKAGE.rglob("*.py"))]
 CODED = {"Rejection", "Stage", "_nothing", "at_most", "count", "nothing"}
 """Functions and classes that are given a stage's name."""
 
@@ -42,8 +42,8 @@ def listed(page: str, section: str) -> list[str]:
 
 def calls() -> Iterator[tuple[str, list[ast.expr]]]:
     """The name of what is called, and its positional arguments, everywhere in the package."""
-    for tree in TREES:
-        for node in ast.walk(tree):
+    for path in FILES:
+        for node in ast.walk(tree(path)):
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute | ast.Name):
                 yield node.func.attr if isinstance(node.func, ast.Attribute) else node.func.id, node.args
 
@@ -52,8 +52,8 @@ def constants() -> dict[str, str]:
     """The package's named strings."""
     return {
         node.targets[0].id: node.value.value
-        for tree in TREES
-        for node in tree.body
+        for path in FILES
+        for node in tree(path).body
         if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name)
         if isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
     }

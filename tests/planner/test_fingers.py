@@ -9,6 +9,7 @@ import pytest
 
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame
+from flatgrasp_cli.geometry.polygon import ray_parity_inside
 from flatgrasp_cli.model import FingerCandidates, Silhouette
 from flatgrasp_cli.planner.fingers import finger_candidates, inward_directions, step_points
 from flatgrasp_cli.profiles import Gripper, PlannerSettings, load_settings
@@ -148,6 +149,20 @@ def test_the_rays_find_the_inside_of_a_loop_walked_backwards(pr2: Gripper) -> No
     fingers, _ = inward_directions(backwards, places, settings, seed=1)
     toward_middle = (np.array([0.05, 0.05]) - fingers.contact) * fingers.direction
     assert (toward_middle.sum(axis=1) > 0).all()
+
+
+def test_the_vote_of_the_rays_outlives_every_fifth_being_wrong() -> None:
+    """As rays that graze a vertex may be; here wrong ones end inside. They outvote the others in 4 of 10,000 cases.
+
+    With a third of the rays they would in 300, and three times as many take their time for nothing.
+    """
+    rng, votes, count = np.random.default_rng(0), 5000, load_settings().fingers.rays
+    assert count % 2 == 1  # no tie
+    angles = rng.uniform(0, 2 * np.pi, (votes, count))
+    reach = np.where(rng.random((votes, count)) < 0.2, 0.01, 1.0)
+    far = 0.05 + reach[..., None] * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    inside = [ray_parity_inside(SQUARE, np.array([0.05, 0.05]), ends) for ends in far]
+    assert 0.999 < np.mean(inside) < 1
 
 
 def test_a_chord_over_the_mouth_of_a_slot_is_doubted_and_dropped(pr2: Gripper) -> None:

@@ -26,7 +26,7 @@ from flatgrasp_cli.geometry.alpha_shape import alpha_region
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 from flatgrasp_cli.geometry.sampling import spread_indices
-from flatgrasp_cli.model import Grasp
+from flatgrasp_cli.model import Grasp, GraspCandidates
 from flatgrasp_cli.planner import silhouette
 from flatgrasp_cli.planning import objects
 from flatgrasp_cli.profiles import Gripper
@@ -35,6 +35,7 @@ from flatgrasp_cli.results.figures import as_png, final_figure
 from flatgrasp_cli.results.figures.style import DPI, TEXT
 from flatgrasp_cli.surroundings import descent
 from tests.conftest import (
+    EACH,
     I_BEAM,
     L_SHAPE,
     MM,
@@ -51,7 +52,16 @@ from tests.conftest import (
 
 COMMAND = [sys.executable, "-m", "flatgrasp_cli", "plan"]
 RECORDINGS = {"mcap", "rosbags", "lz4", "google.protobuf", "flatgrasp_cli.recordings.messages"}
-NOT_FOR_A_CLOUD = {"open3d", "scipy", "flatgrasp_cli.sources.meshes", *RECORDINGS}
+DESCRIPTIONS = "flatgrasp_cli.results.contracts.descriptions"
+"""Read from the source, which only `flatgrasp schema` needs."""
+NOT_FOR_A_CLOUD = {"open3d", "scipy", "flatgrasp_cli.sources.meshes", DESCRIPTIONS, *RECORDINGS}
+IMPORTS_FIGURES = """
+import gc
+from flatgrasp_cli.cli.imports import import_figures
+import_figures()
+assert gc.isenabled()
+"""
+"""Leaves the search for garbage as it was."""
 ALONE = ("teddy_bear", "electric_drill", "pistol", "spray_bottle", "hammer", "juice_box", "pan")
 SHAPES = {"rectangle": rectangle(120, 40), "L": L_SHAPE, "I-beam": I_BEAM}
 SCENE = Camera(tilt_deg=30, pixels=(400, 300), focal=420.0).sees(
@@ -102,15 +112,18 @@ def test_the_spacing_is_that_of_the_six_nearest_neighbours() -> None:
     assert spacing.spacing(points) == pytest.approx(np.quantile(distances, spacing.SPACING_QUANTILE), rel=0.01)
 
 
-def plain_palm(middle: FloatArray, axis: FloatArray, chart: HeightMap, least_m: float, gripper: Gripper) -> FloatArray:
-    """The highest cell under each palm, pair by pair and cell by cell."""
-    highest = np.full(len(middle), UNSEEN)
-    half = 0.5 * (np.array([gripper.hand_width_m, gripper.palm_m]) + chart.cell_m)
-    for k, (centre, along) in enumerate(zip(middle, axis, strict=True)):
+def plain_palm(
+    grasps: GraspCandidates, openings: FloatArray, chart: HeightMap, least_m: float, gripper: Gripper
+) -> FloatArray:
+    """The highest cell under each hand at each of its openings, one by one and cell by cell."""
+    highest, axis = np.full(openings.shape, UNSEEN), grasps.axis
+    for (m, k), opening in np.ndenumerate(openings):
+        breadth = max(gripper.palm_m, opening + 2 * gripper.root_m)
+        half = 0.5 * (np.array([gripper.hand_width_m, breadth]) + chart.cell_m)
         for x, y, height in chart.higher_than(least_m):
-            away = np.array([x, y]) - centre
-            if abs(away @ [-along[1], along[0]]) <= half[0] and abs(away @ along) <= half[1]:
-                highest[k] = max(highest[k], height)
+            away = np.array([x, y]) - grasps.center[k]
+            if abs(away @ [-axis[k][1], axis[k][0]]) <= half[0] and abs(away @ axis[k]) <= half[1]:
+                highest[m, k] = max(highest[m, k], height)
     return highest
 
 
@@ -175,7 +188,7 @@ def both_ways(fast: Plan) -> tuple[Grasp, list[Grasp]]:
     assert fast.best is not None
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(silhouette, "alpha_region", by_triangles)
-        return fast.best, list(plan(fast.cloud, fast.gripper).objects[0].grasps)
+        return fast.best, list(plan(fast.cloud, fast.gripper, load_settings("default", EACH)).objects[0].grasps)
 
 
 def nearest(grasp: Grasp, others: list[Grasp]) -> tuple[float, float]:
@@ -200,10 +213,10 @@ def test_the_grasp_of_a_noisy_object_is_among_the_slow_ways(name: str) -> None:
     assert degrees < 1.5
 
 
-def loaded_by(*arguments: str) -> set[str]:
-    """What a process of the command has imported by its end."""
-    code = "import sys; from flatgrasp_cli.cli import run; run(); sys.stderr.write('\\n' + '\\n'.join(sys.modules))"
-    command = [sys.executable, "-c", code, *arguments]
+def loaded_by(*arguments: str, first: str = "") -> set[str]:
+    """What a process of the command has imported by its end; `first` is run before the command."""
+    ends = "import sys; from flatgrasp_cli.cli import run; run(); sys.stderr.write('\\n' + '\\n'.join(sys.modules))"
+    command = [sys.executable, "-c", f"{first}\n{ends}", *arguments]
     done = subprocess.run(command, capture_output=True, check=True, text=True)
     return set(done.stderr.splitlines())
 
@@ -213,17 +226,9 @@ def test_plan_loads_what_its_source_and_its_outputs_need_and_no_more(tmp_path: P
     json_only = loaded_by("plan", sample, "--json")
     assert {"numpy", "cv2", "flatgrasp_cli.sources.pcd_ply"} <= json_only
     assert json_only.isdisjoint({"matplotlib", "PIL", "rich", *NOT_FOR_A_CLOUD})
-    with_picture = loaded_by("plan", sample, "--out", str(tmp_path))
+    with_picture = loaded_by("plan", sample, "--out", str(tmp_path), first=IMPORTS_FIGURES)
     assert {"matplotlib.figure", "rich.table"} <= with_picture
     assert with_picture.isdisjoint({"matplotlib.pyplot", *NOT_FOR_A_CLOUD})
-
-
-def test_imports_leave_the_search_for_garbage_as_it_was() -> None:
-    code = (
-        "import gc, sys; from flatgrasp_cli.cli.imports import import_figures; import_figures(); assert gc.isenabled();"
-        "assert 'flatgrasp_cli.results.figures' in sys.modules"
-    )
-    subprocess.run([sys.executable, "-c", code], check=True)
 
 
 def test_a_picture_has_the_pixels_that_savefig_writes(pr2: Gripper) -> None:

@@ -7,12 +7,12 @@ import pytest
 import shapely
 from scipy.spatial.transform import Rotation
 
-from flatgrasp_cli import load_gripper, plan
+from flatgrasp_cli import load_gripper, load_settings, plan
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import Grasp
 from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.profiles import Gripper
-from tests.conftest import I_BEAM, L_SHAPE, MM, THICKNESS_M, cloud_of, disc, rectangle, sampled
+from tests.conftest import EACH, I_BEAM, L_SHAPE, MM, THICKNESS_M, cloud_of, disc, rectangle, sampled
 
 
 def best(result: Plan) -> Grasp:
@@ -86,7 +86,7 @@ def test_the_contacts_on_a_disc_are_as_far_apart_as_it_is_wide(
 
 def test_an_l_is_never_grasped_across_its_notch(lacquey: Gripper) -> None:
     """None of a thousand grasping lines passes through the notch, a finger's flatness aside."""
-    result = plan(cloud_of(sampled(L_SHAPE)), lacquey, top=1000)
+    result = plan(cloud_of(sampled(L_SHAPE)), lacquey, load_settings("default", EACH), top=1000)
     assert best(result).inside_share == pytest.approx(1.0, abs=0.01)
     contacts = np.array([grasp.contacts[:, :2] for grasp in result.objects[0].grasps])
     along = np.linspace(0, 1, 50)[:, None, None]
@@ -135,7 +135,7 @@ def test_an_object_too_thin_for_the_gripper_is_refused() -> None:
 def test_a_neighbouring_wall_leaves_no_room_for_a_finger(pr2: Gripper) -> None:
     """Two bars 8 mm apart, joined at one end: a 9 mm finger and its clearance do not fit between them."""
     fork = shapely.union_all([shapely.box(0, 0, 100, 30), shapely.box(0, 38, 100, 68), shapely.box(0, 0, 8, 68)])
-    result = plan(cloud_of(sampled(fork)), pr2, top=1000)
+    result = plan(cloud_of(sampled(fork)), pr2, load_settings("default", EACH), top=1000)
     assert result.best is not None
     for grasp in result.objects[0].grasps:
         v = grasp.contacts[:, 1]

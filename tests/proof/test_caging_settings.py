@@ -13,7 +13,7 @@ from flatgrasp_cli.profiles import Gripper
 from flatgrasp_cli.proof.caging import Hands, Proof, prove
 from flatgrasp_cli.proof.caging.outline import prepare
 from tests.by_hand import MM
-from tests.conftest import SAMPLES
+from tests.conftest import EACH, SAMPLES
 
 CAGING = load_settings().caging
 
@@ -73,5 +73,5 @@ def test_an_outline_has_120_vertices_and_not_much_less_if_it_needs_more() -> Non
 
 def test_where_cages_decide_60_grasps_compete(pr2: Gripper) -> None:
     (pan,) = read_clouds(SAMPLES / "pan.pcd")
-    found = plan(pan, pr2, load_settings("default", ("caging.prefer=cage",)), top=1000)
+    found = plan(pan, pr2, load_settings("default", ("caging.prefer=cage", *EACH)), top=1000)
     assert len(found.objects[0].grasps) == 60

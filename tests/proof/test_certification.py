@@ -18,8 +18,8 @@ from flatgrasp_cli.profiles import Gripper
 from flatgrasp_cli.proof import certified, forgiven_m, is_caged
 from flatgrasp_cli.results.figures.cage import way_out
 from flatgrasp_cli.sources.polygon import read_polygon
-from tests.cli.test_cli import write_pcd
-from tests.conftest import MM, SAMPLES, Run, cloud_of, rectangle, sampled
+from tests.conftest import EACH, MM, SAMPLES, Run, cloud_of, rectangle, sampled
+from tests.plates import write_pcd
 
 IBEAM = [[-2, -1.5], [-0.75, -1.5], [-0.75, -0.5], [0.75, -0.5], [0.75, -1.5], [2, -1.5]]
 IBEAM = [*IBEAM, *[[-x, -y] for x, y in IBEAM]]
@@ -98,7 +98,9 @@ def test_a_hand_comes_with_room_and_into_the_basin(name: str, pr2: Gripper) -> N
     """A basin too narrow to come into is no cage, and no reason to come with less room than the fingers need."""
     (cloud,) = read_clouds(SAMPLES / f"{name}.pcd")
     clearance = load_settings().hand.clearance_m
-    grasps = [grasp for item in plan(cloud, pr2, top=60).objects for grasp in item.grasps]
+    grasps = [
+        grasp for item in plan(cloud, pr2, load_settings("default", EACH), top=60).objects for grasp in item.grasps
+    ]
     assert any(is_caged(grasp.cage) for grasp in grasps)
     for grasp in grasps:
         assert grasp.opening_m >= grasp.width_m + 2 * clearance - 1e-9

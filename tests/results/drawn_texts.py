@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from itertools import combinations
 from typing import Any
 from unittest.mock import patch
 
 import numpy as np
+import shapely
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 from shapely import Polygon
@@ -31,21 +31,24 @@ class DrawnText:
 
 
 def drawn_texts(figure: Figure) -> list[DrawnText]:
-    """Every text that drawing the figure writes: ticks, labels, legends, captions, words in space."""
+    """Every text that drawing the figure writes: ticks, labels, legends, captions, words in space.
+
+    All is placed as for the picture, but no pixel is coloured: that would take most of the time.
+    """
     found: list[DrawnText] = []
     with _recorded(found):
-        figure.canvas.draw()
+        figure.draw_without_rendering()
     return found
 
 
-def collisions(figure: Figure) -> list[str]:
+def collisions(figure: Figure, texts: list[DrawnText]) -> list[str]:
     """What is wrong with a figure's words: those over others, over the page's edge, and too small to read."""
-    texts, page = drawn_texts(figure), box(*figure.bbox.extents)
+    page = box(*figure.bbox.extents)
     wrong = [f"{text.text!r} leaves the page" for text in texts if not page.contains(text.area)]
     wrong += [f"{text.text!r} is {text.size_pt} pt" for text in texts if text.size_pt < LEAST_PT]
-    for one, other in combinations(texts, 2):
-        if one.area.buffer(-TOUCH_PX).intersects(other.area.buffer(-TOUCH_PX)):
-            wrong.append(f"{one.text!r} is over {other.text!r}")
+    areas = shapely.buffer([text.area for text in texts], -TOUCH_PX)
+    pairs = shapely.STRtree(areas).query(areas, predicate="intersects").T
+    wrong += [f"{texts[i].text!r} is over {texts[j].text!r}" for i, j in sorted(pairs.tolist()) if i < j]
     return wrong
 
 
@@ -55,7 +58,10 @@ def _recorded(found: list[DrawnText]) -> Iterator[None]:
     draw = Text.draw
 
     def noted(self: Text, renderer: Any, *args: Any, **kwargs: Any) -> None:
-        draw(self, renderer, *args, **kwargs)
+        if (
+            self.get_bbox_patch() is not None
+        ):  # drawing puts it around the words; else there is nothing but pixels to do
+            draw(self, renderer, *args, **kwargs)
         if self.get_visible() and self.get_text().strip():
             found.append(DrawnText(self.get_text(), _area(self, renderer), float(self.get_fontsize())))
 
@@ -69,6 +75,8 @@ def _area(text: Text, renderer: Any) -> Polygon:
     frame = text.get_bbox_patch()
     if frame is not None:
         return box(*frame.get_window_extent(renderer).extents)
+    if not turned:
+        return box(*extent.extents)
     text.set_rotation(0.0)
     width, height = text.get_window_extent(renderer).size
     text.set_rotation(turned)

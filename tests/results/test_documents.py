@@ -14,8 +14,8 @@ from jsonschema import Draft202012Validator, ValidationError
 
 from flatgrasp_cli.profiles import list_profiles, profile_path
 from flatgrasp_cli.results.contracts import KINDS
-from tests.cli.test_cli import slab, write_pcd
 from tests.conftest import SAMPLES, Run
+from tests.plates import slab, write_pcd
 
 Documents = list[Any]
 RECORDING = SAMPLES / "pan_ros1.bag"
@@ -97,10 +97,11 @@ def test_real_documents_meet_their_schema(kind: str, tool: Tool) -> None:
     tool.check(kind, MADE[kind](tool))
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_what_a_batch_writes_meets_its_schemas(tool: Tool) -> None:
     broken = tool.plate.with_name("broken.pcd")
     broken.write_bytes(b"VERSION 0.7\nFIELDS x y\n")
-    sources = (tool.plate, tool.large, RECORDING, broken)
+    sources = (tool.plate, tool.large, RECORDING, broken, "--count", "1")
     assert tool.run("batch", *sources, "--out", "out", "--jobs", "1", "--plots", "--quiet").code == 3
     out, state = Path("out"), Path("out/.flatgrasp")
     tool.check("batch", [json.loads((out / "summary.json").read_text(encoding="utf-8"))])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from itertools import combinations
 from typing import Any
 
@@ -36,9 +37,16 @@ FAR = Camera(tilt_deg=30, target=(3.0, 0.0, 0.0))
 UP = np.array([0.0, 0.0, 1.0])
 
 
+@cache
 def planned(gripper: Gripper, *solids: Box, robot: str | None = None, settings: tuple[str, ...] = ()) -> Plan:
     arm = load_robot(robot) if robot else None
     return plan(CAMERA.sees(BESIDE, *solids), gripper, load_settings("default", settings), top=3, robot=arm)
+
+
+@cache
+def final(result: Plan) -> Figure:
+    """Its final figure, drawn once for all tests that look at it."""
+    return final_figure(result)
 
 
 def out_of_reach(gripper: Gripper) -> Plan:
@@ -85,11 +93,12 @@ def ahead(gripper: Gripper, *, squarely: bool) -> Plan:
 
 def test_every_object_of_a_scene_has_its_number_and_its_hand(pr2: Gripper) -> None:
     result = planned(pr2, SMALL, OTHER)
-    figure = final_figure(result)
+    figure = final(result)
     scene, close = figure.axes
     assert {item.object.id for item in result.objects} == {0, 1}
-    widths = {f"{item.object.id}: {1e3 * item.grasps[0].width_m:.0f} mm" for item in result.objects}
-    assert widths <= texts(scene)
+    items = zip("①②", result.objects, strict=True)
+    assert {f"{place} {item.object.id}: {1e3 * item.grasps[0].width_m:.0f} mm" for place, item in items} <= texts(scene)
+    assert caption(figure)["Order"].startswith("the numbers in circles: pick one after the other")
     assert len(fingers(scene)) == 2 * 2
     assert "2 objects on a support plane" in scene.get_title(loc="left")
     assert f"object {result.objects[0].object.id}" in close.get_title(loc="left")
@@ -100,7 +109,7 @@ def test_the_hand_is_drawn_where_the_grasp_is_in_both_panels(pr2: Gripper) -> No
     """On a level plane both drawings have the answer's own coordinates, x to the right and y up."""
     result = planned(pr2, SMALL)
     grasp = result.objects[0].grasps[0]
-    for axes in final_figure(result).axes:
+    for axes in final(result).axes:
         left, right = (finger.mean(axis=0) for finger in fingers(axes))
         assert np.linalg.norm(left - right) == pytest.approx(1e3 * (grasp.opening_m + pr2.finger_thickness_m))
         assert 0.5 * (left + right) == pytest.approx(1e3 * grasp.position[:2], abs=0.5)
@@ -112,7 +121,7 @@ def test_the_caption_says_where_how_wide_and_why(pr2: Gripper) -> None:
     best = result.best
     assert best is not None
     assert best.tip_height_m is not None
-    rows = caption(final_figure(result))
+    rows = caption(final(result))
     assert f"x {1e3 * best.position[0]:.0f}, y −{-1e3 * best.position[1]:.0f}" in rows["Where"]
     assert f"{1e3 * best.tip_height_m:.1f} mm above the plane" in rows["Where"]
     assert f"open {1e3 * best.opening_m:.1f} of 90 mm, and closes to {1e3 * best.width_m:.1f} mm" in rows["How wide"]
@@ -122,7 +131,7 @@ def test_the_caption_says_where_how_wide_and_why(pr2: Gripper) -> None:
 
 
 def test_an_object_without_a_grasp_is_marked_and_the_caption_says_why(pr2: Gripper) -> None:
-    figure = final_figure(planned(pr2, WIDE))
+    figure = final(planned(pr2, WIDE))
     assert "0: no grasp" in texts(figure.axes[0])
     assert caption(figure)["No grasp"].startswith("narrowest graspable width")
     assert any(name == "the last pairs, refused by: grasping range" for name in legend(figure))
@@ -130,13 +139,13 @@ def test_an_object_without_a_grasp_is_marked_and_the_caption_says_why(pr2: Gripp
 
 def test_why_another_object_has_no_grasp_is_said(pr2: Gripper) -> None:
     wide = Box((0.55, 0.1, 0.03), (0.15, 0.15, 0.06))
-    rows = caption(final_figure(planned(pr2, SMALL, wide)))
+    rows = caption(final(planned(pr2, SMALL, wide)))
     assert "Where" in rows
     assert rows["No grasp"].startswith("object 1: ") or rows["No grasp"].startswith("object 0: ")
 
 
 def test_an_empty_table_is_drawn_too(pr2: Gripper) -> None:
-    figure = final_figure(planned(pr2, settings=("scene.mode=table",)))
+    figure = final(planned(pr2, settings=("scene.mode=table",)))
     (scene,) = figure.axes
     assert len(scene.collections) > 0
     assert caption(figure)["No grasp"] == "nothing stands on the support plane"
@@ -145,13 +154,13 @@ def test_an_empty_table_is_drawn_too(pr2: Gripper) -> None:
 def test_sides_that_were_not_seen_are_marked(pr2: Gripper) -> None:
     can = Tube((0.0, 0.0, 0.03), 0.03, 0.12, (1.0, 0.0, 0.0))
     hidden = legend(final_figure(plan(Camera(tilt_deg=50).sees(TABLE, can), pr2)))
-    shown = legend(final_figure(planned(pr2, SMALL)))
+    shown = legend(final(planned(pr2, SMALL)))
     assert "not seen behind: it may go on" in hidden
     assert "not seen behind: it may go on" not in shown
 
 
 def test_all_that_is_drawn_is_in_the_legend(pr2: Gripper) -> None:
-    names = legend(final_figure(planned(pr2, SMALL, OTHER)))
+    names = legend(final(planned(pr2, SMALL, OTHER)))
     for word in ("cloud", "next best", "the way the fingers close", "axes of the hand", "axes of the frame", "palm"):
         assert any(word in name for name in names), word
 
@@ -315,7 +324,7 @@ class TestArm:
         assert "ur5 in 'base'" in figure.get_suptitle()
 
     def test_it_is_beside_the_grasp_in_the_final_figure(self, pr2: Gripper) -> None:
-        figure = final_figure(planned(pr2, SMALL, robot="ur5"))
+        figure = final(planned(pr2, SMALL, robot="ur5"))
         assert len(figure.axes) == 3
         assert [len(arm) for arm in self.arms(figure.axes[2])] == [7, 7, 7]
         assert {"arm at the pre-grasp", "arm at the grasp", "arm after the lift"} <= legend(figure)
@@ -324,7 +333,7 @@ class TestArm:
 
     def test_grasps_out_of_reach_are_drawn_as_such(self, pr2: Gripper) -> None:
         result = out_of_reach(pr2)
-        figure = final_figure(result)
+        figure = final(result)
         assert result.best is None
         assert arm_figure(result) is None
         assert "best grasp that ur5 does not reach" in legend(figure)
@@ -342,4 +351,4 @@ class TestArm:
 
     def test_there_is_none_without_a_robot(self, pr2: Gripper) -> None:
         assert arm_figure(planned(pr2, SMALL)) is None
-        assert len(final_figure(planned(pr2, SMALL)).axes) == 2
+        assert len(final(planned(pr2, SMALL)).axes) == 2

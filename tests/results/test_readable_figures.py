@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cache
 from itertools import product
 
 import numpy as np
@@ -28,7 +29,7 @@ from flatgrasp_cli.results.figures.style import TEXT
 from flatgrasp_cli.results.view import View, view_of
 from flatgrasp_cli.sources import read_clouds
 from tests.conftest import SAMPLES, Box, Camera, Tube
-from tests.results.drawn_texts import collisions, drawn_texts
+from tests.results.drawn_texts import DrawnText, collisions, drawn_texts
 
 GROUND = Box((0.4, 0.0, -0.01), (0.9, 0.8, 0.02))
 BAR = Box((0.35, -0.1, 0.02), (0.1, 0.04, 0.04))
@@ -36,7 +37,7 @@ UP = np.array([0.0, 0.0, 1.0])
 WIDTH_PX = 1200
 
 
-@pytest.fixture(autouse=True)
+@pytest.fixture(scope="module", autouse=True)
 def letters_of_pictures() -> Iterator[None]:
     """As wide as `as_png` draws them."""
     with rc_context(TEXT):
@@ -48,6 +49,18 @@ def seen(*solids: Box | Tube, gripper: str = "pr2", robot: str | None = None, ti
     cloud = Camera(tilt_deg=tilt_deg, target=(0.4, 0.0, 0.0), distance=0.9).sees(GROUND, *solids)
     settings = load_settings("default", ("scene.mode=table",))
     return plan(cloud, load_gripper(gripper), settings, robot=load_robot(robot) if robot else None)
+
+
+@cache
+def a_bar() -> Plan:
+    """Planned once for all tests that look at it."""
+    return seen(BAR)
+
+
+@cache
+def of_a_bar() -> Figure:
+    """Its final figure."""
+    return final_figure(a_bar())
 
 
 def of_sample(name: str, gripper: str = "lacquey") -> Plan:
@@ -69,7 +82,7 @@ def out_of_reach() -> Plan:
 
 def named_at_length() -> Plan:
     """A path and a frame whose names have more letters than a line holds."""
-    result = seen(BAR)
+    result = a_bar()
     source = replace(result.cloud.source, path="/data/" + "a_night_of_grasping_" * 9 + ".pcd")
     return replace(result, cloud=replace(result.cloud, source=source, frame_id="camera_" * 12))
 
@@ -105,10 +118,39 @@ def figures_of(result: Plan) -> Iterator[tuple[str, Figure]]:
             yield "cage", cage_figure(loops, found, "a.pcd", in_metres=True)
 
 
-@pytest.mark.parametrize("kind", PLANS)
-def test_words_collide_in_no_picture(kind: str) -> None:
-    wrong = {name: found for name, figure in figures_of(PLANS[kind]()) if (found := collisions(figure))}
+@dataclass(frozen=True, slots=True, eq=False)
+class Picture:
+    """A figure, and the words that drawing it wrote."""
+
+    name: str
+    figure: Figure
+    texts: list[DrawnText]
+
+
+@pytest.fixture(scope="module", params=PLANS)
+def pictures(request: pytest.FixtureRequest, letters_of_pictures: None) -> list[Picture]:  # noqa: ARG001 (for drawing)
+    """All pictures of a kind of plan, each of which is drawn once for all tests that look at it."""
+    return [Picture(name, figure, drawn_texts(figure)) for name, figure in figures_of(PLANS[request.param]())]
+
+
+def test_words_collide_in_no_picture(pictures: list[Picture]) -> None:
+    wrong = {each.name: found for each in pictures if (found := collisions(each.figure, each.texts))}
     assert wrong == {}
+
+
+def test_pictures_are_1200_pixels_wide_and_about_as_high(pictures: list[Picture]) -> None:
+    for each in pictures:
+        width, height = each.figure.bbox.size
+        assert width == WIDTH_PX, each.name
+        assert height < 1.1 * WIDTH_PX, each.name
+
+
+def test_stages_say_what_they_do_and_what_is_drawn(pictures: list[Picture]) -> None:
+    for each in pictures:
+        if each.name[0].isdigit():
+            words = {text.text for text in each.texts}
+            assert words & {"Method", "Box", "Approach"}, each.name
+            assert each.figure.legends[0].get_texts(), each.name
 
 
 def test_collisions_are_found() -> None:
@@ -118,43 +160,28 @@ def test_collisions_are_found() -> None:
     for place, words in ((0.5, "one"), (0.5, "other"), (1.9, "outside")):
         axes.text(place, 0.5, words, fontsize=9)
     axes.text(0.2, 0.2, "tiny", fontsize=5)
-    found = collisions(page.finish([]))
+    figure = page.finish([])
+    found = collisions(figure, drawn_texts(figure))
     assert found == ["'outside' leaves the page", "'tiny' is 5.0 pt", "'one' is over 'other'"]
 
 
-@pytest.mark.parametrize("kind", ["scene", "robot"])
-def test_pictures_are_1200_pixels_wide_and_about_as_high(kind: str) -> None:
-    for _, figure in figures_of(PLANS[kind]()):
-        width, height = figure.bbox.size
-        assert width == WIDTH_PX
-        assert height < 1.1 * WIDTH_PX
-
-
-def test_stages_say_what_they_do_and_what_is_drawn() -> None:
-    for name, draw in stage_figures(seen(BAR)):
-        figure = draw()
-        words = {text.text for text in drawn_texts(figure)}
-        assert words & {"Method", "Box", "Approach"}, name
-        assert figure.legends[0].get_texts(), name
-
-
 def test_the_widths_are_beside_the_hand() -> None:
-    result = seen(BAR)
+    result = a_bar()
     best = result.best
     assert best is not None
     words = f"open {1e3 * best.opening_m:.1f} mm\nclosed {1e3 * best.width_m:.1f} mm"
-    scene, close = final_figure(result).axes
+    scene, close = of_a_bar().axes
     assert words in {text.get_text() for text in close.texts}
     assert words not in {text.get_text() for text in scene.texts}
 
 
 def test_marks_of_contacts_point_at_them_from_outside() -> None:
     """So they hide no narrow object, and not each other."""
-    result = seen(BAR)
+    result = a_bar()
     best = result.best
     assert best is not None
     contacts = view_of(result, UP).of_world(best.contacts)
-    marks = [line for line in final_figure(result).axes[1].lines if isinstance(line.get_marker(), Path)]
+    marks = [line for line in of_a_bar().axes[1].lines if isinstance(line.get_marker(), Path)]
     assert np.concatenate([np.asarray(mark.get_xydata()) for mark in marks]) == pytest.approx(contacts, abs=0.01)
     for mark, place, other in zip(marks, contacts, contacts[::-1], strict=True):
         corners = np.asarray(mark.get_marker().vertices)  # type: ignore[union-attr]
@@ -176,8 +203,8 @@ def test_the_frames_axes_cover_no_object(size: float) -> None:
 
 
 def test_obstacles_are_not_written_over() -> None:
-    result = seen(BAR)
-    axes = final_figure(result).axes[0]
+    result = a_bar()
+    axes = of_a_bar().axes[0]
     (label,) = (text for text in axes.texts if text.get_text().startswith("0:"))
     x, y = 1e-3 * np.array(label.get_position())
     grid = np.stack(np.meshgrid(*(np.linspace(c - 0.02, c + 0.02, 15) for c in (x, y))), axis=-1).reshape(-1, 2)
@@ -200,7 +227,7 @@ class TestTriad:
         """Seen from 50° over a plane: y and z both go down in the drawing."""
         c, s = np.cos(np.radians(50)), np.sin(np.radians(50))
         figure, panel = self.drawn((-1, 0, 0), (0, -s, -c), (0, -c, s))
-        assert collisions(figure) == []
+        assert collisions(figure, drawn_texts(figure)) == []
         places = {text.get_text(): text.get_position() for text in panel.texts if text.get_text() in {"y", "z"}}
         assert places["z"][0] != pytest.approx(places["y"][0])
 
@@ -211,7 +238,7 @@ class TestTriad:
 
 
 def test_where_the_camera_was_is_never_negative() -> None:
-    result = seen(BAR)
+    result = a_bar()
     below = Sensor("option", np.array([0.4, 0.0, -0.5]))
     words = {
         text.text for text in drawn_texts(final_figure(replace(result, cloud=replace(result.cloud, sensor=below))))

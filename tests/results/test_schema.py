@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import re
-import subprocess
-import sys
 from collections.abc import Iterator
 from typing import Any
 
@@ -100,10 +97,3 @@ def test_a_document_that_names_its_contract_names_that_of_its_schema(kind: str) 
     whole = kind.removesuffix("-manifest")  # a batch's manifest goes with its summary
     assert SCHEMAS[kind]["properties"]["schema"]["const"] == f"flatgrasp.{whole}/1"
     assert SCHEMAS[kind]["$id"] == f"flatgrasp.{kind}/1"
-
-
-def test_planning_does_not_pay_for_descriptions() -> None:
-    """They are read from the source, which only `flatgrasp schema` needs."""
-    code = "import flatgrasp_cli.results.document, json, sys; print(json.dumps(sorted(sys.modules)))"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True, text=True)
-    assert "flatgrasp_cli.results.contracts.descriptions" not in json.loads(done.stdout)

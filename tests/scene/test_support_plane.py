@@ -162,7 +162,7 @@ class TestWhatAViewShows:
 
     def test_what_stands_within_20_cm_is_in_the_hands_way(self) -> None:
         blocks = (
-            np.random.default_rng(k).uniform(-0.5, 0.5, (3000, 3)) * [0.06, 0.06, 0.05] + [x, 0, 0.03]
+            np.random.default_rng(k).uniform(-0.5, 0.5, (3000, 3)) * [0.06, 0.06, 0.0] + [x, 0, 0.05]
             for k, x in enumerate((-0.25, -0.05, 0.2))
         )
         scene = scene_of(np.concatenate([plane(4), *blocks]), mode="table")

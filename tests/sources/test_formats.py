@@ -18,7 +18,7 @@ from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.sources import read_clouds
 from tests.conftest import SAMPLES, Run
-from tests.sources.test_sources import (
+from tests.sources.pcd_ply import (
     PCD_DATA,
     PLY_FORMATS,
     POINTS,

@@ -129,8 +129,16 @@ class TestUnderFingers:
 def test_the_palm_meets_what_lies_below_it_and_half_a_cell_beside(aside_m: float, met: bool) -> None:
     """A PR2's is 101 mm long along the closing axis, and 48.5 mm wide."""
     post = HeightMap.of(np.array([[aside_m, 0.0, 0.1], [0.2, 0.2, 0.0], [-0.2, -0.2, 0.0]]), 5 * MM)
-    highest = under_palm(np.zeros((1, 2)), np.array([[0.0, 1.0]]), post, 0.05, PR2)
-    assert np.isfinite(highest[0]) == met
+    highest = under_palm(across([0.04])[1], np.zeros((1, 1)), post, 0.05, PR2)
+    assert np.isfinite(highest[0, 0]) == met
+
+
+@pytest.mark.parametrize(("opening_mm", "met"), [(20, False), (80, True)])
+def test_the_roots_of_open_fingers_meet_what_the_palm_does_not(opening_mm: float, met: bool) -> None:
+    """A PR2's fingers are 37 mm thick at their roots: 20 mm open they reach 47 mm to each side, 80 mm open 77 mm."""
+    post = HeightMap.of(np.array([[0.0, 0.065, 0.1], [0.2, 0.2, 0.0], [-0.2, -0.2, 0.0]]), 5 * MM)
+    highest = under_palm(across([0.04])[1], np.array([[opening_mm * MM]]), post, 0.05, PR2)
+    assert np.isfinite(highest[0, 0]) == met
 
 
 @pytest.mark.parametrize(("height_m", "stands"), [(0.13, False), (0.17, True)])

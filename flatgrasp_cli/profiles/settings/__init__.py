@@ -1,6 +1,6 @@
 """Settings of the planner, section by section of the paper. `null` (None) means: derive it, as the comment says."""
 
-from flatgrasp_cli.profiles.settings.beyond import CagingSettings, DepthSettings
+from flatgrasp_cli.profiles.settings.beyond import CagingSettings, DepthSettings, VarietySettings
 from flatgrasp_cli.profiles.settings.method import (
     BalanceSettings,
     FingerSettings,
@@ -23,4 +23,5 @@ __all__ = [
     "PlannerSettings",
     "SceneSettings",
     "SilhouetteSettings",
+    "VarietySettings",
 ]

@@ -42,6 +42,16 @@ class DepthSettings(Profile):
     """From the grasp to the lift pose, along the support plane's normal, metres."""
 
 
+class VarietySettings(Profile):
+    """Beyond the paper: how much the listed grasps of an object differ."""
+
+    apart_m: Length
+    """Of two grasps nearer than this to each other, metres, and turned by less than `apart_deg`, the better one is
+    listed; 0: all are."""
+    apart_deg: Annotated[float, Field(ge=0, le=90)]
+    """The least angle between the closing axes of two grasps at about one place, degrees."""
+
+
 class CagingSettings(Profile):
     """Beyond the paper: within which openings the object cannot get away."""
 

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from flatgrasp_cli.profiles.base import Profile
 from flatgrasp_cli.profiles.gripper import Gripper
-from flatgrasp_cli.profiles.settings.beyond import CagingSettings, DepthSettings
+from flatgrasp_cli.profiles.settings.beyond import CagingSettings, DepthSettings, VarietySettings
 from flatgrasp_cli.profiles.settings.method import (
     BalanceSettings,
     FingerSettings,
@@ -48,6 +48,8 @@ class PlannerSettings(Profile):
     """Beyond the paper: how deep the fingertips go over a support plane."""
     gravity: GravitySettings
     """§III.C: gravity and the final choice."""
+    variety: VarietySettings
+    """Beyond the paper: how much the listed grasps differ."""
     caging: CagingSettings
     """Beyond the paper: proofs."""
 

@@ -15,8 +15,9 @@ Component = Annotated[float, Field(ge=-1e6, le=1e6)]
 class SceneSettings(Profile):
     """Beyond the paper: the support plane and the objects on it."""
 
-    mode: Literal["auto", "object", "table"]
-    """Whether the cloud shows one object alone or objects on a support plane; auto: judged by the cloud."""
+    mode: Literal["auto", "object", "table", "bin"]
+    """Whether the cloud shows one object alone, objects on a support plane or things in a bin; auto: judged by
+    the cloud."""
     crop: tuple[FarPlace, FarPlace, FarPlace, FarPlace, FarPlace, FarPlace] | None
     """Region of interest: x_min, x_max, y_min, y_max, z_min, z_max in metres; what lies outside does not exist."""
     select: Literal["all", "nearest", "largest"] | tuple[FarPlace, FarPlace]
@@ -40,7 +41,11 @@ class SceneSettings(Profile):
     min_size_m: Size
     """Objects whose footprint is smaller than a square of this side, metres, are taken for outliers."""
     max_size_m: Size
-    """What is longer, in metres, is no object but furniture, and only an obstacle."""
+    """A surface that goes on without a seam for longer than this, in metres, is no object but an obstacle."""
+    seam_deg: Annotated[float, Field(ge=5, le=180)]
+    """A concave bend of more than this, degrees, parts two objects that touch; 180: none does."""
+    least_part_m: Size
+    """What touches another object and is smaller than a square of this side, metres, is a part of that."""
 
     @field_validator("crop")
     @classmethod

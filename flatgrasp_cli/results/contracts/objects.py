@@ -94,6 +94,14 @@ class ObjectPart(Part):
     """Its number in the scene, from 0."""
     points: int
     """The number of its points."""
+    cut_off: bool
+    """Whether the edge of the picture cuts it off, so that it may go on where the sensor did not look."""
+    at_edge: bool
+    """Whether it lies at the edge of what was seen of the support plane: such objects are picked after the others."""
+    touches_others: bool
+    """Whether it was told apart from others that it touches."""
+    supports: list[int]
+    """The numbers of the objects that lie on it, as seen from above: to be grasped before it."""
     status: Status
     """Whether it has a grasp."""
     reason: str | None

@@ -51,6 +51,15 @@ class WarningPart(Part):
     """A sentence, with the option that settles it."""
 
 
+class ContainerPart(Part):
+    """A bin, tray or box: walls around what lies deeper."""
+
+    points: int
+    """The number of points that were seen of it."""
+    height_m: Number
+    """How high the highest of them lies over the support plane, metres."""
+
+
 class SupportPlanePart(Part):
     """The plane that objects stand on: normal · p = offset_m."""
 
@@ -102,6 +111,8 @@ class Document(Part):
     """The planner's settings, all their values."""
     support_plane: SupportPlanePart | None
     """The plane that the objects stand on; null for an object seen alone."""
+    container: ContainerPart | None
+    """The bin that the objects lie in, an obstacle as a whole; null where there is none."""
     objects: list[ObjectPart]
     """The objects, the one with the best grasp first."""
     timing_ms: TimingPart

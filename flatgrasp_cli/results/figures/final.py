@@ -16,8 +16,8 @@ from flatgrasp_cli.results.figures.arm import draw_arm, has_arm, manipulability_
 from flatgrasp_cli.results.figures.close import draw_close
 from flatgrasp_cli.results.figures.marks import sensor_in_words
 from flatgrasp_cli.results.figures.page import Page
-from flatgrasp_cli.results.figures.scene import draw_scene
-from flatgrasp_cli.results.figures.style import MM, NO_BREAK, counted, in_numbers
+from flatgrasp_cli.results.figures.scene import draw_scene, picked
+from flatgrasp_cli.results.figures.style import MM, NO_BREAK, counted, in_numbers, numbered
 from flatgrasp_cli.results.view import middle_of, normal_of, view_of
 
 REASONS = 3
@@ -58,7 +58,18 @@ def _caption(plan: Plan, normal: FloatArray) -> list[tuple[str, str]]:
     rows = [("Where", _where(plan, best)), ("How wide", _how_wide(plan, best)), ("Why", _why(plan, best))]
     if plan.robot is not None:
         rows.append(("Robot", f"{plan.robot.name} reaches it: {manipulability_in_words(best)}"))
-    return [*rows, camera, *_without_grasp(plan)]
+    return [*rows, *_order(plan), camera, *_without_grasp(plan)]
+
+
+def _order(plan: Plan) -> list[tuple[str, str]]:
+    """What the numbers in circles are, and what comes late in that order."""
+    things = [item.object for item in plan.objects[: picked(plan)]]
+    if not things:
+        return []
+    notes = [f"on object {thing.id} lies {numbered(thing.supports)}" for thing in things if thing.supports]
+    last = [thing.id for thing in things if thing.cut_off or thing.at_edge]
+    notes += [f"at the edge of what was seen: object {numbered(last)}"] if last else []
+    return [("Order", "; ".join(["the numbers in circles: pick one after the other", *notes]))]
 
 
 def _without_grasp(plan: Plan) -> list[tuple[str, str]]:

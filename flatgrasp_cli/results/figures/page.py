@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -89,7 +90,8 @@ class Page:
         """The next panel, in the plane or, if `solid`, in space."""
         self._solid.append(solid)
         axes: Axes = self.figure.add_axes(self._place(len(self._panels)), projection="3d" if solid else None)
-        axes.set_title(title, loc="left", fontsize=10)
+        # where it comes anyway: matplotlib would lay out all ticks to see that, a tenth of the time of a picture
+        axes.set_title(title, loc="left", fontsize=10, y=1.0)
         axes.tick_params(labelsize=8)
         self._panels.append(axes)
         return axes
@@ -153,6 +155,7 @@ def in_lines(figure: Figure, text: str, width_in: float, font: FontProperties = 
     """Words of a figure in lines no longer than `width_in` inches; a word that is longer than that is cut."""
     line = figure.text(0.0, 0.0, "", fontproperties=font, parse_math=False)
 
+    @cache
     def width(words: str) -> float:
         line.set_text(words)
         return float(line.get_window_extent().width)

@@ -6,7 +6,6 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
-from flatgrasp_cli.model import ObjectPlan
 from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.results.figures.hand import draw_fingers, draw_refused, hand_extent
 from flatgrasp_cli.results.figures.labels import Label, put
@@ -32,6 +31,9 @@ from flatgrasp_cli.results.view import View
 
 COLORS = (BLUE, GREEN, PURPLE, SKY, ORANGE)
 MARGIN_MM = 120.0
+CROWD = 10
+"""With more objects there is no room for words beside each."""
+PLACES = "①②③④⑤⑥⑦⑧⑨⑩⑪⑫⑬⑭⑮⑯⑰⑱⑲⑳"
 
 
 def draw_scene(axes: Axes, plan: Plan, view: View) -> None:
@@ -56,16 +58,19 @@ def _draw_cloud(axes: Axes, plan: Plan, view: View) -> FloatArray:
         return drawn[inside], inside
 
     drawn, inside = within(plan.cloud.points)
-    obstacles = thinned(within(plan.scene.clutter)[0])
+    obstacles, container = (thinned(within(points)[0]) for points in (plan.scene.clutter, plan.scene.container))
     if plan.cloud.colors is not None:
         draw_dots(axes, drawn, plan.cloud.colors[inside] / 255, "cloud, in its colours")
-        return obstacles
-    draw_dots(axes, drawn, PALE, "cloud")
-    if len(obstacles):
-        draw_dots(axes, obstacles, BLACK, "obstacles that are no object")
+    else:
+        draw_dots(axes, drawn, PALE, "cloud")
+        if len(obstacles):
+            draw_dots(axes, obstacles, BLACK, "obstacles that are no object")
+    if len(container):
+        draw_dots(axes, container, GREY, "container, an obstacle")
     for k, item in enumerate(plan.objects):
-        draw_dots(axes, view.of_world(item.object.points), _color(k), "objects, a colour each" if k == 0 else None)
-    return obstacles
+        if plan.cloud.colors is None or item.object.group is not None:  # what was parted is told apart by colours only
+            draw_dots(axes, view.of_world(item.object.points), _color(k), "objects, a colour each" if k == 0 else None)
+    return np.concatenate([obstacles, container])
 
 
 def _color(k: int) -> str:
@@ -91,11 +96,24 @@ def _draw_object(axes: Axes, plan: Plan, k: int, view: View) -> Label:
     box = {"boxstyle": "round,pad=0.2", "fc": "white", "ec": _color(k), "alpha": 0.9}
     weight = "bold" if best else "normal"
     style = {"fontsize": 10, "fontweight": weight, "color": RED if best else BLACK, "bbox": box}
-    return Label(_words(item), np.concatenate(parts), style)
+    return Label(_words(plan, k), np.concatenate(parts), style)
 
 
-def _words(item: ObjectPlan) -> str:
-    """The object's number, and how wide it is there, or that it has no grasp."""
+def picked(plan: Plan) -> int:
+    """How many objects are picked one after the other: the first ones; none where there is but one."""
+    count = sum(bool(item.grasps) for item in plan.objects)
+    return count if count > 1 else 0
+
+
+def _words(plan: Plan, k: int) -> str:
+    """The place in the order of picking, the object's number, and how wide it is there, or that it has no grasp.
+
+    In a crowd the number alone stands for the latter.
+    """
+    item = plan.objects[k]
     if item.grasps:
-        return f"{item.object.id}: {MM * item.grasps[0].width_m:.0f} mm"
+        place = "" if k >= picked(plan) else f"{PLACES[k]} " if k < len(PLACES) else f"({k + 1}) "
+        return f"{place}{item.object.id}: {MM * item.grasps[0].width_m:.0f} mm"
+    if len(plan.objects) > CROWD:
+        return str(item.object.id)
     return f"{item.object.id}: {'out of reach' if item.refused else 'no grasp'}"

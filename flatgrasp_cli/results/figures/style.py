@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
 import cv2
@@ -90,6 +90,12 @@ def thinned(points: NDArray[Scalar]) -> NDArray[Scalar]:
 def counted(number: int, thing: str) -> str:
     """So many of a thing, in words."""
     return f"{number} {thing}" if number == 1 else f"{number} {thing}s"
+
+
+def numbered(numbers: Iterable[int]) -> str:
+    """Numbers in words: "1, 2 and 5"."""
+    *first, last = map(str, numbers)
+    return f"{', '.join(first)} and {last}" if first else last
 
 
 def in_numbers(direction: FloatArray) -> str:

@@ -1,0 +1,142 @@
+"""Bins, trays and boxes: what would hold water, and is too wide to be a bowl that a hand carries."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray, true_entries
+from flatgrasp_cli.geometry.frames import Frame
+from flatgrasp_cli.geometry.height_map import UNSEEN
+from flatgrasp_cli.geometry.raster import Raster
+from flatgrasp_cli.geometry.sampling import spread_indices
+from flatgrasp_cli.model import Floor
+
+SAMPLE = 60_000
+"""Points that the walls are looked for in: several in a cell of a frame's raster."""
+LEVELS_M = (0.012, 0.025, 0.05, 0.1)
+"""Heights over the floor to which water is poured in: the lowest rims that keep a hand out of things, and higher ones
+where things hide the floor."""
+GAP_M = 0.04
+"""Gaps that a sensor leaves in steep walls: these are as wide, at most, in real frames of bins."""
+LEAST_WIDE_M, LEAST_STATED_M = 0.25, 0.1
+"""Least width of a pool in a container: plates and pans have up to 0.22 m; less where somebody says that it is one."""
+LEAST_WET = 0.3
+"""Least share of the rectangle around a container's pools that is under water: pockets of a heap are far apart."""
+
+
+WALL_FOOT_M = 0.02
+"""A finger finds no place between the wall and something so near to it."""
+WALL_STEP_M = 0.01
+"""A wall goes down from what was seen of it in points so far apart: no finger passes between them."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Container:
+    """A bin in cells (rows, columns) of the `raster` of a support plane's `frame`: its `inside` and its `ground`."""
+
+    frame: Frame
+    raster: Raster
+    inside: BoolArray
+    ground: BoolArray
+
+    def covers(self, points: FloatArray) -> BoolArray:
+        """Which of `points` (n, 3) belong to the bin or lie in it."""
+        x, y, _ = self.frame.to_local(points).T
+        return np.asarray(self.ground.take(self.raster.cells(x, y)))
+
+    def holds(self, points: FloatArray) -> BoolArray:
+        """Which of `points` (n, 3) lie over the inside, away from the walls."""
+        x, y, _ = self.frame.to_local(points).T
+        return np.asarray(self.inside.take(self.raster.cells(x, y)))
+
+    def solid(self, points: FloatArray) -> FloatArray:
+        """Points (k, 3) that fill walls from the highest of the `points` (n, 3) that were seen of them to the floor.
+
+        The outer faces of walls are hidden behind their rims.
+        """
+        x, y, height = self.frame.to_local(points).T
+        top = np.full(self.raster.size, -np.inf)
+        np.maximum.at(top, self.raster.cells(x, y), height)
+        row, column = true_entries(top.reshape(self.raster.shape) > WALL_STEP_M)
+        places = self.raster.middles(row, column)
+        tops = top.reshape(self.raster.shape)[row, column]
+        levels = np.arange(0.0, float(tops.max(initial=0.0)), WALL_STEP_M)
+        place, level = true_entries(levels < tops[:, None])
+        return self.frame.to_world(np.column_stack([places[place], levels[level]]))
+
+
+def find_container(points: FloatArray, floor: Floor, *, stated: bool) -> Container | None:
+    """The container whose walls rise around what lies deeper; None if there is none.
+
+    `points` (n, 3) stand on the `floor`; `stated` says that somebody knows of a bin. Water runs out over the picture's
+    edge, and in cells that were not seen it stands as in the nearest one that was.
+    """
+    least_m = LEAST_STATED_M if stated else LEAST_WIDE_M
+    x, y, height = floor.frame.to_local(points[spread_indices(len(points), SAMPLE)]).T
+    if len(points) == 0 or min(np.ptp(x), np.ptp(y)) < least_m:
+        return None
+    raster = floor.levels.raster
+    means = raster.rimmed(raster.mean(raster.cells(x, y), height, UNSEEN), UNSEEN)
+    filled = _filled(np.where(means > UNSEEN, means, floor.levels.heights))
+    for level in LEVELS_M:
+        outside, pools = _poured(~_closed(filled >= level, GAP_M / raster.cell_m))
+        # a container is the ground that no water from outside reaches, walls and things and pools alike
+        grounds = _connected(~outside, 8)
+        for ground in np.flatnonzero(np.bincount(grounds[pools])).tolist():
+            pool = pools & (grounds == ground)
+            inside = _rectangle(pool, least_m / raster.cell_m)
+            if inside is not None and np.count_nonzero(pool) >= LEAST_WET * np.count_nonzero(inside):
+                return Container(floor.frame, raster, _shrunk(inside, WALL_FOOT_M / raster.cell_m), grounds == ground)
+    return None
+
+
+def _filled(heights: FloatArray) -> FloatArray:
+    """`heights` (rows, columns) with that of the nearest seen cell in all that were not seen."""
+    unseen = (heights == UNSEEN).view(np.uint8)
+    _, nearest = cv2.distanceTransformWithLabels(unseen, cv2.DIST_L2, cv2.DIST_MASK_5, labelType=cv2.DIST_LABEL_PIXEL)
+    height_of = np.zeros(int(nearest.max()) + 1)
+    height_of[nearest[unseen == 0]] = heights[unseen == 0]
+    return np.asarray(height_of[nearest])
+
+
+def _closed(walls: BoolArray, gap: float) -> BoolArray:
+    """Walls (rows, columns) without gaps that are no more than so many cells wide."""
+    width = 2 * round(0.5 * gap) + 1
+    padded = np.pad(walls.view(np.uint8), width)
+    closed = cv2.morphologyEx(padded, cv2.MORPH_CLOSE, np.ones((width, width), np.uint8))
+    return np.asarray(closed[width:-width, width:-width] > 0)
+
+
+def _poured(low: BoolArray) -> tuple[BoolArray, BoolArray]:
+    """The cells (rows, columns) under water that runs out over the edge, and those under water that stands."""
+    pools = _connected(low, 4)
+    edge = np.concatenate([pools[0], pools[-1], pools[:, 0], pools[:, -1]])
+    runs_out = np.bincount(edge, minlength=int(pools.max()) + 1) > 0
+    outside = low & runs_out[pools]
+    return np.asarray(outside), np.asarray(low & ~outside)
+
+
+def _shrunk(mask: BoolArray, cells: float) -> BoolArray:
+    """A mask without the cells so near to its edge."""
+    width = 2 * round(cells) + 1
+    return np.asarray(cv2.erode(mask.view(np.uint8), np.ones((width, width), np.uint8)) > 0)
+
+
+def _connected(mask: BoolArray, connectivity: int) -> IntArray:
+    """Names (rows, columns) from 1 of the connected pieces of a mask."""
+    return np.asarray(cv2.connectedComponents(mask.view(np.uint8), connectivity=connectivity)[1], dtype=np.intp)
+
+
+def _rectangle(pool: BoolArray, least: float) -> BoolArray | None:
+    """The cells of the smallest rectangle around a pool; None if it is narrower than `least` cells."""
+    places = np.argwhere(pool)[:, ::-1].astype(np.float32)  # OpenCV's x is the column
+    middle, sides, turn = cv2.minAreaRect(places)
+    if min(sides) < least:
+        return None
+    inside: ByteArray = np.zeros(pool.shape, dtype=np.uint8)
+    corners = cv2.boxPoints((middle, sides, turn))
+    cv2.fillConvexPoly(inside, np.round(corners).astype(np.int32), 1)
+    return inside > 0

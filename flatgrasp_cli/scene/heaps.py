@@ -1,0 +1,170 @@
+"""Clusters → objects: what touches is told apart, what is too long for one object is none, and neither is a bin."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TypedDict
+
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
+from flatgrasp_cli.model import SupportPlane
+from flatgrasp_cli.profiles.settings import SceneSettings
+from flatgrasp_cli.scene.clusters import MIN_POINTS, PLANE_SIGMAS, Clusters
+from flatgrasp_cli.scene.container import Container, find_container
+from flatgrasp_cli.scene.parting import Limits, pieces
+
+FLOOR_SHARE = 0.5
+"""A piece with more than this share of its points in the support plane is the floor, from which a bin's walls rise."""
+INSIDE_SHARE = 0.5
+"""Least share of a thing in a bin that lies over its inside: walls are outside, but for their feet."""
+
+
+LONGEST_WHOLE_M = 0.3
+"""Pieces that touch and are together no longer than this, metres, may be one object, as a hammer's head and handle are:
+hardly a tool that a hand carries is longer."""
+
+Piece = tuple[IntArray, int | None]
+"""The indices of an object's points, and the cluster that it was parted from."""
+
+
+class _Found(TypedDict):
+    members: tuple[IntArray, ...]
+    groups: tuple[int | None, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Heap:
+    """Points (n, 3) on a support plane, as seen from `viewpoint` (3,), and the `clusters` that they make."""
+
+    points: FloatArray
+    clusters: Clusters
+    plane: SupportPlane
+    viewpoint: FloatArray
+    settings: SceneSettings
+
+    def container(self) -> Container | None:
+        """The bin around what stands on the plane, if there is one; one with nothing in it is an object."""
+        stated = self.settings.mode == "bin"
+        found = find_container(self.points[self._standing], self.clusters.floor, stated=stated)
+        return found if stated or (found is not None and self._in_container(found).members) else None
+
+    def apart(self, container: Container | None) -> Clusters:
+        """The clusters with an object for each piece of them, largest first.
+
+        Pieces that are too small or too long to be objects are clutter. In a container everything that stands is looked
+        at, and what is neither its floor nor its walls is an object.
+        """
+        if container is not None or self.settings.mode == "bin":
+            return self._in_container(container)
+        clusters = self.clusters
+        objects = self._objects_of(clusters.members)
+        return replace(clusters, **self._largest_first(objects), clutter=self._rest(*(rows for rows, _ in objects)))
+
+    def _in_container(self, container: Container | None) -> Clusters:
+        """The things in a container and beside it, and the container; None is one of which only the inside is seen.
+
+        What touches no wall is told apart as on a table. The rest is looked at with the floor: curved, it rises above
+        the support plane, too, and into the walls.
+        """
+        free = [rows for rows in self.clusters.members if container is None or _is_free(self.points[rows], container)]
+        objects = self._objects_of(free)
+        stands, rest = np.zeros((2, len(self.points)), dtype=np.bool_)
+        stands[self._standing] = True
+        rest[:] = self.plane.heights(self.points) > -self._flat_m
+        if container is not None:
+            rest &= container.covers(self.points)
+        for rows in free:
+            rest[rows] = False
+        walls = [np.empty(0, dtype=np.intp)]
+        for piece in self._pieces(np.flatnonzero(rest)):
+            own = piece[stands[piece]]
+            if self._lies_in(piece, container) and self._is_object(own):
+                objects.append((own, None))
+                continue
+            for low in self._pieces(own):  # without the floor, into which low things pass without a seam
+                if container is not None and container.holds(self.points[low]).all() and self._is_object(low):
+                    objects.append((low, None))
+                else:
+                    walls.append(low)
+        wall = np.concatenate(walls)
+        return replace(
+            self.clusters,
+            **self._largest_first(objects),
+            clutter=self._rest(wall, *(rows for rows, _ in objects)),
+            container=wall,
+            solid=np.empty((0, 3)) if container is None else container.solid(self.points[wall]),
+        )
+
+    def _objects_of(self, members: Sequence[IntArray]) -> list[Piece]:
+        """The objects that clusters are made of."""
+        found = []
+        for group, rows in enumerate(members):
+            parts = self._pieces(rows)
+            if len(parts) > 1 or _length_m(self.points[rows]) > self.settings.max_size_m:
+                parts = [part for part in parts if self._is_object(part)]
+            found += [(part, group if len(parts) > 1 else None) for part in parts]
+        return found
+
+    def _largest_first(self, objects: list[Piece]) -> _Found:
+        """The objects by the number of cells of the floor's raster that they stand over."""
+        floor = self.clusters.floor
+
+        def footprint(piece: Piece) -> int:
+            x, y, _ = floor.frame.to_local(self.points[piece[0]]).T
+            return int(np.count_nonzero(floor.levels.raster.count(floor.levels.raster.cells(x, y))))
+
+        objects = sorted(objects, key=footprint, reverse=True)
+        return {"members": tuple(rows for rows, _ in objects), "groups": tuple(group for _, group in objects)}
+
+    def _rest(self, *taken: IntArray) -> IntArray:
+        """The points above the plane that are not `taken`."""
+        free = np.ones(len(self.points), dtype=np.bool_)
+        for rows in taken:
+            free[rows] = False
+        standing = self._standing
+        return np.asarray(standing[free[standing]])
+
+    @property
+    def _standing(self) -> IntArray:
+        """The points above the plane."""
+        return np.concatenate([*self.clusters.members, self.clusters.clutter])
+
+    @property
+    def _flat_m(self) -> float:
+        """The highest that the support plane's own points lie over it."""
+        return max(PLANE_SIGMAS * self.plane.noise_m, self.settings.min_height_m)
+
+    def _lies_in(self, piece: IntArray, container: Container | None) -> bool:
+        """Whether a piece is neither floor nor wall."""
+        if (self.plane.heights(self.points[piece]) < self._flat_m).mean() > FLOOR_SHARE:
+            return False
+        return container is None or bool(container.holds(self.points[piece]).mean() >= INSIDE_SHARE)
+
+    def _pieces(self, rows: IntArray) -> list[IntArray]:
+        """The `rows` (n,) of points piece by piece."""
+        if len(rows) * self.clusters.floor.spacing_m**2 < 2 * self.settings.least_part_m**2:
+            return [rows] if len(rows) else []
+        least_m = self.settings.least_part_m
+        compact = _length_m(self.points[rows]) <= LONGEST_WHOLE_M
+        limits = Limits(self.settings.seam_deg, least_m, neck_m=least_m if compact else 0.0)
+        points, floor = self.points[rows], self.clusters.floor
+        heights = self.plane.heights(points)
+        names = pieces(points, heights, self.viewpoint, floor.spacing_m, self.plane.noise_m, limits=limits)
+        order = np.argsort(names, kind="stable")
+        return np.split(rows[order], np.flatnonzero(np.diff(names[order])) + 1)
+
+    def _is_object(self, rows: IntArray) -> bool:
+        """Whether points are enough for an object, and not too far apart."""
+        return len(rows) >= MIN_POINTS and _length_m(self.points[rows]) <= self.settings.max_size_m
+
+
+def _length_m(points: FloatArray) -> float:
+    """Diagonal of the box around `points` (n, 3)."""
+    return float(np.linalg.norm(np.ptp(points, axis=0)))
+
+
+def _is_free(points: FloatArray, container: Container) -> bool:
+    """Whether `points` (n, 3) stand apart from the walls of a container: in it, or beside it."""
+    return bool(container.holds(points).all() or not container.covers(points).any())

@@ -1,0 +1,88 @@
+"""Clusters → objects, each with what stands near it, and from where it was seen."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
+from flatgrasp_cli.model import Cloud, ObjectCloud, Sensor, SupportPlane
+from flatgrasp_cli.scene.clusters import Clusters
+from flatgrasp_cli.scene.heaps import LONGEST_WHOLE_M
+from flatgrasp_cli.scene.picture import at_table_edge, cut_off
+from flatgrasp_cli.scene.stacking import supported_by
+from flatgrasp_cli.scene.support_plane import looks_down
+
+NEAR_M = 0.2
+"""Other points farther than this from an object's bounding box cannot meet the hand."""
+OVERHEAD_M = 1.0
+"""Where no sensor is known, shadows are those of one straight above."""
+
+
+def overlook(points: FloatArray, sensor: Sensor, plane: SupportPlane) -> FloatArray:
+    """Where `points` (n, 3) are looked at from: the sensor, or straight above where it is not known to look down."""
+    if sensor.position is not None and not sensor.sees_all_sides and looks_down(sensor, plane.normal, plane.offset_m):
+        return sensor.position
+    return np.asarray(points.mean(axis=0) + OVERHEAD_M * plane.normal)
+
+
+def objects_of(
+    cloud: Cloud, sensor: Sensor, plane: SupportPlane, clusters: Clusters
+) -> tuple[tuple[ObjectCloud, ...], tuple[ObjectCloud, ...]]:
+    """The clusters as objects, and the groups of those that touch and may be one; each with what stands near it."""
+    rows = (*clusters.members, clusters.clutter, clusters.container)
+    standing = np.concatenate([cloud.points[np.concatenate(rows)], clusters.solid])
+    ends = np.cumsum([len(own) for own in clusters.members])
+    places = [np.arange(end - len(own), end) for own, end in zip(clusters.members, ends, strict=True)]
+    groups = clusters.groups or (None,) * len(places)
+    around = _Around(standing, sensor, plane, clusters)
+    carried = supported_by(cloud.points, clusters.members, clusters.floor)
+    at_edge = at_table_edge(cloud.points, clusters.members, clusters.floor)
+    cut = cut_off(cloud, overlook(cloud.points, sensor, plane), clusters.members, clusters.floor.spacing_m)
+    objects = tuple(
+        replace(
+            around.object(index, place),
+            group=groups[index],
+            cut_off=cut[index],
+            at_edge=at_edge[index],
+            supports=carried[index],
+        )
+        for index, place in enumerate(places)
+    )
+    wholes = []
+    for group in sorted({group for group in groups if group is not None}):
+        parts = [index for index, own in enumerate(groups) if own == group]
+        place = np.concatenate([places[index] for index in parts])
+        if np.linalg.norm(np.ptp(standing[place], axis=0)) <= LONGEST_WHOLE_M:
+            whole = around.object(parts[0], place)
+            wholes.append(replace(whole, group=group, cut_off=any(cut[index] for index in parts)))
+    return objects, tuple(wholes)
+
+
+class _Around:
+    """The points (n, 3) above a support plane, and who saw them."""
+
+    def __init__(self, standing: FloatArray, sensor: Sensor, plane: SupportPlane, clusters: Clusters) -> None:
+        self.standing, self.columns = standing, np.ascontiguousarray(standing.T)
+        self.sensor, self.plane, self.floor = sensor, plane, clusters.floor
+        self.seen_from_above = looks_down(sensor, plane.normal, plane.offset_m)
+
+    def object(self, index: int, mine: IntArray) -> ObjectCloud:
+        """The object number `index` that has the points `mine` (k,), with what stands near it."""
+        near = np.ones(len(self.standing), dtype=np.bool_)
+        for values in self.columns:
+            own = values[mine]
+            near &= (values > own.min() - NEAR_M) & (values < own.max() + NEAR_M)
+        near[mine] = False
+        middle = self.columns[:, mine].mean(axis=1)
+        viewpoint = self.sensor.position if self.seen_from_above else middle + OVERHEAD_M * self.plane.normal
+        return ObjectCloud(
+            id=index,
+            points=self.standing[mine],
+            toward=self.plane.normal if viewpoint is None else viewpoint - middle,
+            viewpoint=None if self.sensor.sees_all_sides else viewpoint,
+            support=self.plane,
+            obstacles=self.standing[np.flatnonzero(near)],
+            floor=self.floor,
+        )

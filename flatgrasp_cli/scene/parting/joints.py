@@ -1,0 +1,117 @@
+"""Pieces that cannot be things of their own: they would fall, or they are the bottom of a hollow."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.scene.parting.view_grid import SIDES, ViewGrid, shifted
+
+HANGS_M = 0.015
+"""A piece that was seen down to its lower edge, and that ends so high above the support plane, does not lie on it:
+noise and what the sensor loses at a foot are a third of that."""
+FOOT_CELLS = 6
+"""Cells lower than that, from which on a piece stands on the plane: fewer may hold flying points."""
+ODD_SHARE = 0.05
+"""Share of a piece's cells beyond its lower and its upper end: those at an edge also hold points of what is behind."""
+HELD_M = 0.005
+"""A piece that touches another one so much higher than where it ends does not lie on that: a handle, and no lid."""
+ENCLOSED, ONE_SIDED = 0.5, 0.9
+"""Least share of a hollow's edge at which anything was seen, and of that share that belongs to one piece: a rim may
+hide what is close behind it, and its own inside is lost where it is steep."""
+COVERED = 0.2
+"""Share of a piece's edge that may be hidden behind something nearer before nobody knows how it goes on."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Borders:
+    """Where pieces meet, in steps from a cell to one beside it.
+
+    `edge` (k,) counts the steps out of each piece, `hidden` (k,) those to something nearer, and `own` (k,) is the sum
+    of the heights that they start from. `met` (k, k) counts the steps from a piece to each other one, `smooth` (k, k)
+    those without a jump, and `beyond` (k, k) is the sum of the heights at which the latter end.
+    """
+
+    edge: FloatArray
+    hidden: FloatArray
+    own: FloatArray
+    met: FloatArray
+    smooth: FloatArray
+    beyond: FloatArray
+
+
+def held_together(grid: ViewGrid, names: IntArray) -> IntArray:
+    """The names (rows, columns) with those of pieces that are parts of another one replaced by its name.
+
+    A thing that is held by nothing below it falls. So a piece that ends in the air, and does not lie on what it
+    touches, is joined to that: a mug's handle, a wing. And a piece is joined to the one that stands around it, higher
+    than itself: the inside of a mug, a pan's bottom.
+    """
+    names = np.where(grid.known, names, 0)
+    count = int(names.max()) + 1
+    borders = _borders(grid, names, count)
+    cells = np.maximum(np.bincount(names.ravel(), minlength=count), 1)
+    height = np.where(grid.known, grid.height, 0.0).ravel()
+    middle = np.bincount(names.ravel(), weights=height, minlength=count) / cells
+    feet = np.bincount(names.ravel(), weights=height < HANGS_M, minlength=count)
+    hangs = (feet < FOOT_CELLS) & (borders.hidden <= COVERED * borders.edge)
+    low, high = np.full((2, count), np.nan)
+    meeting = (np.flatnonzero(borders.met[1:].any(axis=1)) + 1).tolist()
+    for name in meeting:
+        low[name], high[name] = np.quantile(height[names.ravel() == name], (ODD_SHARE, 1 - ODD_SHARE))
+    joined = np.arange(count)
+    for name in meeting:
+        other = _around(borders, name, middle, high)
+        if other is None and hangs[name]:
+            other = _held_by(borders, name, low)
+        if other is not None:
+            joined[joined == joined[name]] = joined[other]
+    return np.asarray(joined[names])
+
+
+def _around(borders: _Borders, name: int, middle: FloatArray, high: FloatArray) -> int | None:
+    """The piece that stands around the one called `name`, higher than it; None if there is none."""
+    edge, met = borders.edge[name], borders.met[name]
+    other = int(met.argmax())
+    enclosed = met.sum() >= ENCLOSED * edge and met[other] >= ONE_SIDED * met.sum()
+    deeper = middle[name] < borders.own[name] / edge and high[name] < high[other]
+    return other if enclosed and deeper else None
+
+
+def _held_by(borders: _Borders, name: int, low: FloatArray) -> int | None:
+    """The piece that holds the one called `name`, which hangs; None if it lies on what it touches, or is behind it."""
+    steps = borders.smooth[name]
+    other = int(steps.argmax())
+    if 2 * steps[other] <= borders.met[name, other]:
+        return None
+    return other if borders.beyond[name, other] / steps[other] > low[name] + HELD_M else None
+
+
+def _borders(grid: ViewGrid, names: IntArray, count: int) -> _Borders:
+    """Where the pieces called `names` (rows, columns), 0 for cells without points, meet."""
+    edge, hidden, own = np.zeros((3, count))
+    met, smooth, beyond = np.zeros((3, count * count))
+    for step in SIDES:
+        there, height = shifted(names, step), shifted(grid.height, step)
+        ends: BoolArray = (names > 0) & (names != there)
+        meets = ends & (there > 0)
+        goes_on = meets & grid.smooth_to(step)
+        nearer = meets & ~goes_on & (shifted(grid.depth, step) < grid.depth)
+        pair = names * count + there
+        edge += np.bincount(names[ends], minlength=count)
+        hidden += np.bincount(names[nearer], minlength=count)
+        own += np.bincount(names[ends], weights=grid.height[ends], minlength=count)
+        met += np.bincount(pair[meets], minlength=count * count)
+        smooth += np.bincount(pair[goes_on], minlength=count * count)
+        beyond += np.bincount(pair[goes_on], weights=height[goes_on], minlength=count * count)
+    square = (count, count)
+    return _Borders(
+        edge=edge,
+        hidden=hidden,
+        own=own,
+        met=met.reshape(square),
+        smooth=smooth.reshape(square),
+        beyond=beyond.reshape(square),
+    )

@@ -1,0 +1,149 @@
+"""What concave seams, jumps and gaps leave of a surface: its pieces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.scene.parting.joints import held_together
+from flatgrasp_cli.scene.parting.seams import seam_cells, surface_normals
+from flatgrasp_cli.scene.parting.view_grid import DOWN, RIGHT, SIDES, ViewGrid, shifted
+
+LEAST_CELL_M = 0.003
+"""Of cells; a finger's width holds a few of them."""
+POINTS_ACROSS = 2.0
+"""Points along a cell's side, at least, so that hardly one is empty."""
+SURE_SIGMAS = 4.0
+"""A bend is told from noise by so many of its standard deviations."""
+CORE_CELLS = 6
+"""Cells of a piece, at least, that lie in no seam: fewer may be noise."""
+LEAST_CELLS = 30
+"""Cells of a piece, at least: of fewer most lie at its own edge, where normals are poor."""
+MOST_FLOODS = 100
+"""Cells in a row that a seam may be wide."""
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What parts two pieces: a concave bend of more than `seam_deg`.
+
+    A piece whose area, as seen, is less than a square of side `least_m` belongs to the one beside it, or the nearest.
+    Pieces that meet along less than `neck_m` are one: a neck or a handle joins them.
+    """
+
+    seam_deg: float
+    least_m: float
+    neck_m: float = 0.0
+
+
+def pieces(
+    points: FloatArray,
+    heights: FloatArray,
+    viewpoint: FloatArray,
+    spacing_m: float,
+    noise_m: float,
+    limits: Limits,
+) -> IntArray:
+    """Names (n,), positive, of the pieces of the surface that `points` (n, 3) at `heights` (n,) lie on.
+
+    The points lie `spacing_m` apart and scatter by `noise_m` along the ray from `viewpoint` (3,).
+    """
+    cell_m = max(LEAST_CELL_M, POINTS_ACROSS * spacing_m, fitting_cell_m(spacing_m, noise_m, limits.seam_deg))
+    grid = ViewGrid.of(points, heights, viewpoint, cell_m, noise_m)
+    normals, has_normal = surface_normals(grid)
+    names = _connected(grid, has_normal & ~seam_cells(grid, normals, has_normal, limits.seam_deg))
+    for least_cells in (CORE_CELLS, max(LEAST_CELLS, (limits.least_m / grid.cell_m) ** 2)):
+        names = _of_size(names, least_cells)
+        if np.count_nonzero(np.bincount(names.ravel())[1:]) < 2:
+            return np.ones(len(points), dtype=np.intp)
+        names = _flooded(grid, names, normals)
+    names = _over_necks(grid, _nearest(names), limits.neck_m)
+    return np.asarray(grid.of_points(held_together(grid, names)))
+
+
+def _over_necks(grid: ViewGrid, names: IntArray, neck_m: float) -> IntArray:
+    """The names with one for each two pieces that meet along a line shorter than `neck_m`, mostly without a jump."""
+    count = int(names.max()) + 1
+    met, smooth = np.zeros((2, 2, count * count))
+    for axis, step in enumerate((DOWN, RIGHT)):
+        there = shifted(names, step)
+        pair = np.minimum(names, there) * count + np.maximum(names, there)
+        border = grid.known & shifted(grid.known, step) & (names != there)
+        met[axis] = np.bincount(pair[border], minlength=count * count)
+        smooth[axis] = np.bincount(pair[border & grid.smooth_to(step)], minlength=count * count)
+    length_m = grid.cell_m * np.hypot(*met)
+    widest_m = neck_m + grid.cell_m if neck_m > 0 else 0.0  # a line's length is known to a cell
+    joined = np.arange(count)
+    necks = (length_m > 0) & (length_m < widest_m) & (2 * smooth.sum(axis=0) > met.sum(axis=0))
+    for one, other in zip(*np.divmod(np.flatnonzero(necks), count), strict=True):
+        joined[joined == joined[other]] = joined[one]
+    return np.asarray(joined[names])
+
+
+def _nearest(names: IntArray) -> IntArray:
+    """The names with that of the nearest cell of the image where there is none; 1 if there are none at all."""
+    if not names.any():
+        return np.ones_like(names)
+    nameless = (names == 0).view(np.uint8)
+    _, nearest = cv2.distanceTransformWithLabels(nameless, cv2.DIST_L2, cv2.DIST_MASK_5, labelType=cv2.DIST_LABEL_PIXEL)
+    name_of = np.zeros(int(nearest.max()) + 1, dtype=np.intp)
+    name_of[nearest[nameless == 0]] = names[nameless == 0]
+    return name_of[nearest]
+
+
+def _of_size(names: IntArray, cells: float) -> IntArray:
+    """The names of pieces of so many cells, 0 for those of smaller ones."""
+    large = np.bincount(names.ravel()) >= cells
+    large[0] = False
+    return np.asarray(large[names] * names)
+
+
+def fitting_cell_m(spacing_m: float, noise_m: float, seam_deg: float) -> float:
+    """Side of cells whose normals are so sure that noise makes no seam of `seam_deg`.
+
+    The mean of the (c/s)² points in a cell of side c scatters by σ s/c, the slope of a plane through 3 × 3 such cells
+    by σ s/(√6 c²), and the difference of two slopes by √2 times that.
+    """
+    return float(np.sqrt(SURE_SIGMAS * np.sqrt(2 / 6) * noise_m * spacing_m / np.radians(seam_deg)))
+
+
+def _connected(grid: ViewGrid, free: BoolArray) -> IntArray:
+    """Names (rows, columns) from 1 of the pieces of `free` cells that no jump parts; 0 for the others.
+
+    Between the cells of an image of twice the size lie those of its connections.
+    """
+    rows, columns = free.shape
+    double = np.zeros((2 * rows, 2 * columns), dtype=np.uint8)
+    double[::2, ::2] = free
+    double[1::2, ::2] = free & shifted(free, DOWN) & grid.smooth_to(DOWN)
+    double[::2, 1::2] = free & shifted(free, RIGHT) & grid.smooth_to(RIGHT)
+    return np.asarray(cv2.connectedComponents(double, connectivity=4)[1][::2, ::2], dtype=np.intp)
+
+
+def _flooded(grid: ViewGrid, names: IntArray, normals: FloatArray) -> IntArray:
+    """The names spread, cell by cell, over what has none.
+
+    Of its neighbours a cell joins the one whose plane, by `normals` (3, rows, columns) from beyond the seam, it lies
+    nearest to.
+    """
+    places = grid.places().reshape(3, -1)
+    flat, turned = names.ravel().copy(), normals.reshape(3, -1).copy()
+    sides = [(down * names.shape[1] + right, grid.smooth_to((down, right)).ravel()) for down, right in SIDES]
+    waiting = np.flatnonzero(grid.known.ravel() & (flat == 0))
+    for _ in range(MOST_FLOODS):
+        nearest, least = np.full(len(waiting), -1), np.full(len(waiting), np.inf)
+        for offset, smooth in sides:
+            there = waiting + offset
+            off = np.abs(((places[:, waiting] - places[:, there]) * turned[:, there]).sum(axis=0))
+            closer = (flat[there] > 0) & smooth[waiting] & (off < least)
+            nearest[closer], least[closer] = there[closer], off[closer]
+        joined = nearest >= 0
+        if not joined.any():
+            break
+        own, from_there = waiting[joined], nearest[joined]
+        flat[own], turned[:, own] = flat[from_there], turned[:, from_there]
+        waiting = waiting[~joined]
+    return flat.reshape(names.shape)

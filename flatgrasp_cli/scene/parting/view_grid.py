@@ -1,0 +1,139 @@
+"""Points sorted into the cells of the image in which they were seen: neighbours there are neighbours on a surface."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.raster import Raster
+
+LOST_DEG = 15.0
+"""A surface seen more flatly than this returns nothing to a depth camera, so one that was seen is no steeper."""
+NOISE_SIGMAS = 3.0
+MOST_CELLS = 200_000
+RIM_CELLS = 3
+"""Empty cells around all points: shifted images wrap around, and no seam looks farther than that."""
+MOST_ASIDE, LEAST_AHEAD = 4.0, 0.1
+"""Tangent of the widest angle to the line of sight: of points beside or behind the viewpoint there is no image.
+Nor is there of those that are nearer than this share of the distance to most."""
+
+Step = tuple[int, int]
+DOWN: Step = (1, 0)
+RIGHT: Step = (0, 1)
+SIDES = (DOWN, RIGHT, (-1, 0), (0, -1))
+T = TypeVar("T", bound=np.generic)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ViewGrid:
+    """Square cells of a central projection, each with the mean of the nearest points that it holds.
+
+    `x`, `y` (rows, columns) are the image's coordinates of that mean, at distance 1 before the viewpoint, `depth` is
+    how far it lies along the line of sight, and `height` how high over the support plane; `known` says where there is
+    one. `cell` (n,) is the flat index of each
+    point's cell and `point_depth` (n,) its own depth. A cell is `cell_m` wide where the points are, and `jump_m` is the
+    most that the depth of a seen surface changes from one cell to the next.
+    """
+
+    x: FloatArray
+    y: FloatArray
+    depth: FloatArray
+    height: FloatArray
+    known: BoolArray
+    cell: IntArray
+    point_depth: FloatArray
+    cell_m: float
+    jump_m: float
+
+    @classmethod
+    def of(
+        cls, points: FloatArray, heights: FloatArray, viewpoint: FloatArray, cell_m: float, noise_m: float
+    ) -> ViewGrid:
+        """The image of `points` (n, 3) at `heights` (n,) from `viewpoint` (3,).
+
+        Their noise along the line of sight is `noise_m`.
+        """
+        x, y, point_depth = image_of(points, viewpoint)
+        distance = float(np.median(point_depth))
+        pitch = cell_m / distance
+        rim = RIM_CELLS * pitch
+        low, high = np.array([x.min(), y.min()]) - rim, np.array([x.max(), y.max()]) + rim
+        raster = Raster.over(low, high, pitch, MOST_CELLS)
+        cell_m = raster.cell_m * distance
+        cell = raster.cells(x, y)
+        jump_m = cell_m / np.tan(np.radians(LOST_DEG)) + NOISE_SIGMAS * noise_m
+        nearest = np.full(raster.size, np.inf)
+        np.minimum.at(nearest, cell, point_depth)
+        front = np.flatnonzero(point_depth < nearest[cell] + jump_m)
+        x, y, depth, height = (
+            raster.mean(cell[front], values[front], np.inf) for values in (x, y, point_depth, heights)
+        )
+        return cls(
+            x=x,
+            y=y,
+            depth=depth,
+            height=height,
+            known=np.isfinite(depth),
+            cell=cell,
+            point_depth=point_depth,
+            cell_m=cell_m,
+            jump_m=float(jump_m),
+        )
+
+    def smooth_to(self, step: Step) -> BoolArray:
+        """Whether (rows, columns) the surface goes on, without a jump, from a cell to the one so many further."""
+        there = shifted(self.depth, step)
+        with np.errstate(invalid="ignore"):
+            apart = np.abs(there - self.depth)
+        return np.asarray(apart < np.hypot(*step) * self.jump_m)
+
+    def of_points(self, values: IntArray) -> IntArray:
+        """`values` (rows, columns) for each of the points (n,): of its cell, or of that beside it which is as deep.
+
+        A cell at an edge holds points of what is before and of what is behind.
+        """
+        found = values.ravel()[self.cell]
+        off = np.abs(self.point_depth - self.depth.ravel()[self.cell])
+        odd = np.flatnonzero(off > self.cell_m)
+        around = self.cell[odd, None] + [down * values.shape[1] + right for down, right in neighbours()]
+        apart = np.abs(self.depth.ravel()[around] - self.point_depth[odd, None])
+        best = apart.argmin(axis=1)
+        better = apart[np.arange(len(odd)), best] < off[odd]
+        found[odd[better]] = values.ravel()[around[better, best[better]]]
+        return found
+
+    def places(self) -> FloatArray:
+        """The means (3, rows, columns) in space; 0 where nothing is known."""
+        depth = np.where(self.known, self.depth, 0.0)
+        x, y = np.where(self.known, self.x, 0.0), np.where(self.known, self.y, 0.0)
+        return np.stack([x * depth, y * depth, depth])
+
+
+def shifted(values: NDArray[T], step: Step) -> NDArray[T]:
+    """`values` (…, rows, columns) of the cells that lie so many rows and columns further."""
+    return np.roll(values, (-step[0], -step[1]), axis=(-2, -1))
+
+
+def neighbours() -> Iterator[Step]:
+    """The steps to the eight cells around one."""
+    return ((down, right) for down in (-1, 0, 1) for right in (-1, 0, 1) if (down, right) != (0, 0))
+
+
+def image_of(points: FloatArray, viewpoint: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Image coordinates x and y at distance 1, and depths (n,), of `points` (n, 3) seen from `viewpoint` (3,).
+
+    The line of sight goes to the middle of the points.
+    """
+    sight = points.mean(axis=0) - viewpoint
+    sight /= max(float(np.linalg.norm(sight)), 1e-9)
+    across = np.cross(np.eye(3)[int(np.argmin(np.abs(sight)))], sight)
+    across /= np.linalg.norm(across)
+    local = np.stack([across, np.cross(sight, across), sight]) @ (points - viewpoint).T
+    ahead = np.maximum(local[2], LEAST_AHEAD * float(np.median(local[2])))
+    x, y = np.clip(local[:2] / ahead, -MOST_ASIDE, MOST_ASIDE)
+    return x, y, local[2]

@@ -1,0 +1,82 @@
+"""Where the picture ends, and the table: what lies there was seen in part, and nobody knows how it goes on."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.height_map import UNSEEN
+from flatgrasp_cli.geometry.sampling import spread_indices
+from flatgrasp_cli.model import Cloud, Floor
+from flatgrasp_cli.scene.masks import hull_of
+from flatgrasp_cli.scene.parting.view_grid import image_of
+
+EDGE_M = 0.05
+"""Nearer to the table's edge, metres, a hand stands half beyond it, and things are what the table ends with."""
+EDGE_PX = 4.0
+"""So near to the picture's edge, in pixels, what goes on ends: sensors drop the outermost one or two."""
+STRETCHES, LEAST_STRETCHES = 16, 8
+"""The picture ends along a straight line. Of so many stretches of a side this many hold points, at least, or what lies
+there is the end of a table, or of a thing that stands out."""
+MARGIN_SHARE = 0.07
+"""Of an image's width and height sensors leave this much empty at a side: stereo cameras up to 0.06."""
+LEAST_POINTS = 8
+SAMPLE, TURN_STRIDE = 6_000, 4
+"""Points of a picture that tell where it ends: some 50 lie along each side; and which of them tell how it is turned."""
+
+
+def cut_off(cloud: Cloud, viewpoint: FloatArray, members: tuple[IntArray, ...], spacing_m: float) -> tuple[bool, ...]:
+    """Which of the `members`, indices of points of the cloud, the edge of the picture from `viewpoint` (3,) cuts off.
+
+    Without an image the picture is the smallest rectangle around the cloud, whose points lie `spacing_m` apart.
+    """
+    sample, rows = spread_indices(len(cloud.points), SAMPLE), np.concatenate([*members, np.empty(0, dtype=np.intp)])
+    if cloud.pixels is not None:
+        width = cloud.pixels.shape[1]
+        pixel = np.flatnonzero(cloud.pixels.filled)
+        picture, own = (np.column_stack(np.divmod(pixel[chosen], width))[:, ::-1] for chosen in (sample, rows))
+        size = np.array(cloud.pixels.shape[::-1], dtype=np.float64)
+        limits = MARGIN_SHARE * size, (1 - MARGIN_SHARE) * size
+    else:
+        x, y, depth = image_of(cloud.points[np.concatenate([sample, rows])], viewpoint)
+        both = np.column_stack([x, y]) * (float(np.median(depth)) / spacing_m)
+        _, _, turn = cv2.minAreaRect(cv2.convexHull(both[: len(sample) : TURN_STRIDE].astype(np.float32)))
+        c, s = np.cos(np.radians(turn)), np.sin(np.radians(turn))
+        picture, own = np.split(both @ np.array([[c, -s], [s, c]]), [len(sample)])
+        limits = np.full(2, np.inf), np.full(2, -np.inf)
+    at_edge = _at_edge(picture.astype(np.float64), own.astype(np.float64), limits)
+    ends = np.cumsum([len(member) for member in members])[:-1]
+    return tuple(int(np.count_nonzero(part)) >= LEAST_POINTS for part in np.split(at_edge, ends))[: len(members)]
+
+
+def at_table_edge(points: FloatArray, members: tuple[IntArray, ...], floor: Floor) -> tuple[bool, ...]:
+    """Which of the `members`, indices of `points` (n, 3), lie at the edge of what was seen of the `floor`."""
+    import shapely
+
+    raster = floor.levels.raster
+    inner = hull_of(floor.levels.heights > UNSEEN).buffer(-EDGE_M / raster.cell_m)
+    middles = np.array([points[rows].mean(axis=0) for rows in members]).reshape(-1, 3)
+    x, y, _ = floor.frame.to_local(middles).T
+    row, column = np.divmod(raster.cells(x, y), raster.shape[1])
+    return tuple((~shapely.contains_xy(inner, row, column)).tolist())
+
+
+def _at_edge(picture: FloatArray, own: FloatArray, limits: tuple[FloatArray, FloatArray]) -> BoolArray:
+    """Which of the places `own` (k, 2), in pixels, lie at the sides of the picture that places (n, 2) fill.
+
+    A side that is not lower, or higher, than the `limits` (2,), (2,) is none of the picture's.
+    """
+    low, high = picture.min(axis=0), picture.max(axis=0)
+    found = np.zeros(len(own), dtype=np.bool_)
+    for axis in (0, 1):
+        along = np.floor((picture[:, 1 - axis] - low[1 - axis]) / (high - low + 1)[1 - axis] * STRETCHES)
+        for end, is_side in ((low[axis], low[axis] <= limits[0][axis]), (high[axis], high[axis] >= limits[1][axis])):
+            held = np.bincount(along[_near(picture[:, axis], end)].astype(np.intp), minlength=STRETCHES)
+            if is_side and np.count_nonzero(held) >= LEAST_STRETCHES:
+                found |= _near(own[:, axis], end)
+    return found
+
+
+def _near(values: FloatArray, end: float) -> BoolArray:
+    return np.asarray(np.abs(values - end) <= EDGE_PX)
