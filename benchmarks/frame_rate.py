@@ -32,6 +32,8 @@ from flatgrasp_cli.planner import pipeline
 from flatgrasp_cli.planning import answers, lifting, objects
 from flatgrasp_cli.profiles import Gripper, PlannerSettings
 from flatgrasp_cli.scene import segmentation
+from flatgrasp_cli.simulation.samples import electric_drill, hammer, juice_box, spray_bottle
+from flatgrasp_cli.simulation.solids import Solid, box, rod, turned
 from flatgrasp_cli.surroundings import OnSupport
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -80,35 +82,35 @@ def samples() -> Any:
     return module
 
 
-def layout(make: Any, count: int) -> list[Any]:
+def layout(make: Any, count: int) -> list[Solid]:
     """The meshes of `count` objects, apart from each other on a table."""
 
-    def mug() -> list[Any]:
+    def mug() -> list[Solid]:
         wall = [(0.0, 0.005), (0.036, 0.005), (0.036, 0.095), (0.040, 0.095), (0.040, 0.0), (0.0, 0.0)]
-        return [make.lathe(wall, (0, 0, 0), (0, 0, 0)), make.box((0.03, 0.01, 0.06), (0.052, 0, 0.05))]
+        return [turned(wall, [], (0, 0, 0)), box((0.03, 0.01, 0.06), (0.052, 0, 0.05))]
 
-    def can() -> list[Any]:
-        return [make.lathe([(0.0, 0.0), (0.033, 0.0), (0.033, 0.115), (0.0, 0.115)], (0, 0, 0), (0, 0, 0))]
+    def can() -> list[Solid]:
+        return [turned([(0.0, 0.0), (0.033, 0.0), (0.033, 0.115), (0.0, 0.115)], [], (0, 0, 0))]
 
-    def pen() -> list[Any]:
-        return [make.rod(0.004, 0.14, (0, 0, 0.004))]
+    def pen() -> list[Solid]:
+        return [rod(0.004, 0.14, (0, 0, 0.004))]
 
-    places: list[tuple[Callable[[], list[Any]], float, float, float]] = [
+    places: list[tuple[Callable[[], list[Solid]], float, float, float]] = [
         (mug, -0.16, 0.05, 30),
-        (make.juice_box, 0.12, 0.10, 50),
-        (make.hammer, 0.02, -0.14, 10),
+        (juice_box, 0.12, 0.10, 50),
+        (hammer, 0.02, -0.14, 10),
     ]
     if count == 10:
         places = [
             (mug, -0.33, 0.16, 30),
-            (make.juice_box, -0.12, 0.18, 20),
-            (make.hammer, 0.08, 0.13, 0),
+            (juice_box, -0.12, 0.18, 20),
+            (hammer, 0.08, 0.13, 0),
             (can, 0.32, 0.18, 0),
-            (make.spray_bottle, -0.30, -0.03, 75),
+            (spray_bottle, -0.30, -0.03, 75),
             (pen, -0.08, 0.03, 40),
-            (make.electric_drill, 0.13, -0.02, 170),
+            (electric_drill, 0.13, -0.02, 170),
             (mug, 0.34, -0.02, 80),
-            (make.juice_box, -0.30, -0.20, -30),
+            (juice_box, -0.30, -0.20, -30),
             (pen, 0.0, -0.14, -20),
         ]
     return [mesh for kind, x, y, yaw in places[:count] for mesh in make.moved(kind(), x, y, yaw)]

@@ -1,7 +1,8 @@
 """Makes the pictures in docs/: `python docs/make_pictures.py [NAME…]`, all of them without a name.
 
-Names: frames, teddy_bear, table_scene, robot, pan_cage. frame_rate.png is made by benchmarks/frame_rate.py, which
-needs a quiet machine. `drawn.json` keeps what each picture shows, and a test compares that with what the program draws.
+Names: frames, teddy_bear, table_scene, robot, pan_cage, trial. frame_rate.png is made by benchmarks/frame_rate.py,
+which needs a quiet machine. `drawn.json` keeps what each picture shows, and a test compares that with what the program
+draws; but for trial's, which is simulated.
 """
 
 from __future__ import annotations
@@ -54,6 +55,14 @@ def pan_cage() -> None:
     _of_command("cage", "pan", "0.cage", saved_as="pan.cage.png")
 
 
+def trial() -> None:
+    """teddy_bear.trial.png: a simulated trial; physics may end a little otherwise on another machine."""
+    with TemporaryDirectory() as out, redirect_stdout(io.StringIO()):
+        options = ["--trials", "1", "--plots", "--force", "40", "--out", out]
+        cli.main(["simulate", "teddy_bear", *options], standalone_mode=False)
+        write_bytes(FOLDER / "teddy_bear.trial.png", (Path(out) / "teddy_bear.00.trial.png").read_bytes())
+
+
 def _of_command(command: str, sample: str, kind: str, *options: str, saved_as: str | None = None) -> None:
     """Keep the picture of a kind that a command draws of a sample."""
     with TemporaryDirectory() as out:
@@ -66,10 +75,17 @@ def _of_command(command: str, sample: str, kind: str, *options: str, saved_as: s
 PICTURES: dict[str, Callable[[], None]] = {
     draw.__name__: draw for draw in (frames, teddy_bear, table_scene, robot, pan_cage)
 }
+SIMULATED: dict[str, Callable[[], None]] = {"trial": trial}
+"""Pictures of which no record is kept."""
 
 
 if __name__ == "__main__":
+    names = sys.argv[1:] or [*PICTURES, *SIMULATED]
     with drawn.recorded() as found:
-        for name in sys.argv[1:] or PICTURES:
-            PICTURES[name]()
+        for name in names:
+            if name not in SIMULATED:
+                PICTURES[name]()
     drawn.keep(FOLDER, found)
+    for name in names:
+        if name in SIMULATED:
+            SIMULATED[name]()

@@ -19,12 +19,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from make_samples import FOCAL_PX, Array, camera_pose, capture, pan
+from make_samples import FOCAL_PX, Array, camera_pose, capture
 from mcap.writer import CompressionType, Writer
 from rosbags import rosbag1, rosbag2
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 from scipy.spatial.transform import Rotation
+
+from flatgrasp_cli.simulation.samples import pan
 
 START_NS, PERIOD_NS, TF_PERIOD_NS = 1_700_000_000 * 10**9, 200_000_000, 50_000_000
 AZIMUTHS_DEG = (60.0, 65.0, 70.0)

@@ -1,7 +1,7 @@
 """Defaults of the planning commands: the command line beats FLATGRASP_* variables, and these beat a file.
 
 The file is YAML, the one of `--config`, else flatgrasp.yaml in $XDG_CONFIG_HOME or ~/.config. Its keys are the names of
-the options that all planning commands share, underscores for hyphens; planner settings are under `set` as in a planner
+the options that the planning commands share, underscores for hyphens; planner settings are under `set` as in a planner
 profile, and what only one command has under that command's name. The variables are FLATGRASP_GRIPPER and the like;
 FLATGRASP_PLAN_PLOTS for what only one command has.
 """
@@ -23,7 +23,9 @@ from click.core import ParameterSource
 from flatgrasp_cli.errors import ProfileError
 
 PREFIX = "FLATGRASP"
-COMMANDS = ("batch", "cage", "compare", "plan")
+RECORDED = ("batch", "cage", "compare", "plan")
+"""The commands that plan what was recorded, which have most of their options in common."""
+COMMANDS = (*RECORDED, "simulate")
 SETTINGS = "set"
 NO_DEFAULT = {"config", "help"}
 OF_FILES = ("camera_pose", "gripper", "intrinsics", "method", "robot")
@@ -81,7 +83,7 @@ def _use(context: click.Context, _parameter: click.Parameter, given: str | None)
     context.default_map = {
         str(options[key].name): _checked(context, path, key, options[key], value)
         for key, value in (values | own).items()
-        if key not in COMMANDS and value is not None
+        if key in options and value is not None
     }
     context.meta[STORED] = Stored(path, settings)
 
@@ -129,7 +131,7 @@ def _key(parameter: click.Parameter) -> str:
 def _check_keys(path: Path, values: Mapping[Any, Any]) -> None:
     """Refuse a key that no planning command knows, or not in that place."""
     of = {name: _options(importlib.import_module(f"flatgrasp_cli.cli.{name}").command) for name in COMMANDS}
-    shared = set.intersection(*of.values())
+    shared = set.intersection(*(of[name] for name in RECORDED))
     for key, below in values.items():
         if key in COMMANDS and isinstance(below, dict):
             _check(path, f"{key}: ", below, of[key] - {SETTINGS})

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from flatgrasp_cli.sources.selection import Selection
 
 
-OPTIONS = (
+METHOD_OPTIONS = (
     option(
         "--gripper",
         "-g",
@@ -46,6 +46,26 @@ OPTIONS = (
         metavar="KEY=VALUE",
         help="Override a planner setting, e.g. --set fingers.step_m=0.004. Repeatable.",
     ),
+)
+CAGE_OPTIONS = (
+    option("--prefer", type=click.Choice(["cost", "cage"]), help="Best first by cost, or by what a cage forgives."),
+    option("--require", type=click.Choice(["cage"]), help="Keep only grasps that cage the object."),
+    option("--closing", type=click.Choice(["inward", "outward"]), help="Which way the fingers close in a cage."),
+)
+DEFAULTS_OPTIONS = (
+    config_option,
+    option("--verbose", "-v", is_flag=True, help="Say where each option's value comes from."),
+)
+SCALE_OPTION = option(
+    "--scale",
+    type=float,
+    callback=positive,
+    default=1.0,
+    show_default=True,
+    help="Metres in one unit of the source; 0.001 for millimetres.",
+)
+OPTIONS = (
+    *METHOD_OPTIONS,
     option(
         "--scene",
         type=click.Choice(["auto", "object", "table", "bin"]),
@@ -69,9 +89,7 @@ OPTIONS = (
         "places (merged clouds); else found, or assumed with a warning.",
     ),
     option("--crop", metavar="XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX", help="Region of interest in metres."),
-    option("--prefer", type=click.Choice(["cost", "cage"]), help="Best first by cost, or by what a cage forgives."),
-    option("--require", type=click.Choice(["cage"]), help="Keep only grasps that cage the object."),
-    option("--closing", type=click.Choice(["inward", "outward"]), help="Which way the fingers close in a cage."),
+    *CAGE_OPTIONS,
     option(
         "--robot",
         metavar="NAME|FILE",
@@ -97,14 +115,7 @@ OPTIONS = (
     option("--count", type=click.IntRange(min=1), metavar="N", help="At most so many frames of each recording."),
     option("--strict", is_flag=True, help="The first damage in a recording is an error, not a warning."),
     *IMAGE_OPTIONS,
-    option(
-        "--scale",
-        type=float,
-        callback=positive,
-        default=1.0,
-        show_default=True,
-        help="Metres in one unit of the source; 0.001 for millimetres.",
-    ),
+    SCALE_OPTION,
     option(
         "--top",
         type=click.IntRange(min=1),
@@ -113,41 +124,12 @@ OPTIONS = (
         metavar="K",
         help="How many grasps to keep, best first.",
     ),
-    config_option,
-    option("--verbose", "-v", is_flag=True, help="Say where each option's value comes from."),
+    *DEFAULTS_OPTIONS,
 )
 NAMES = (
-    *(
-        "gripper",
-        "method",
-        "given",
-        "scene",
-        "select",
-        "up",
-        "sensor",
-        "crop",
-        "prefer",
-        "require",
-        "closing",
-        "robot",
-        "camera_pose",
-        "base_frame",
-    ),
-    *(
-        "topic",
-        "start",
-        "end",
-        "at",
-        "every",
-        "count",
-        "strict",
-        "intrinsics",
-        "depth_unit",
-        "depth_axes",
-        "scale",
-        "top",
-        "verbose",
-    ),
+    *("gripper", "method", "given", "scene", "select", "up", "sensor", "crop", "prefer", "require", "closing"),
+    *("robot", "camera_pose", "base_frame", "topic", "start", "end", "at", "every", "count", "strict"),
+    *("intrinsics", "depth_unit", "depth_axes", "scale", "top", "verbose"),
 )
 
 
@@ -157,37 +139,39 @@ def planning_options(command: Callable[..., Any]) -> Callable[..., Any]:
     @wraps(command)
     def with_job(**options: Any) -> Any:
         chosen = {name: options.pop(name) for name in NAMES}
-        return command(job=_job(**chosen), **options)
+        return command(job=job_of(**chosen), **options)
 
     for each in reversed(OPTIONS):
         with_job = each(with_job)
     return with_job
 
 
-def _job(
+def job_of(
     gripper: str,
     method: str,
     given: tuple[str, ...],
-    scene: str | None,
-    select: str | None,
-    up: str | None,
-    sensor: str | None,
-    crop: str | None,
-    prefer: str | None,
-    require: str | None,
-    closing: str | None,
-    robot: str | None,
-    camera_pose: str | None,
-    base_frame: str | None,
-    scale: float,
-    top: int,
-    verbose: bool,
+    scene: str | None = None,
+    select: str | None = None,
+    up: str | None = None,
+    sensor: str | None = None,
+    crop: str | None = None,
+    prefer: str | None = None,
+    require: str | None = None,
+    closing: str | None = None,
+    robot: str | None = None,
+    camera_pose: str | None = None,
+    base_frame: str | None = None,
+    scale: float = 1.0,
+    top: int = 10,
+    verbose: bool = False,
     **frames: Any,
 ) -> Job:
+    """The job that options say, with the defaults of those that a command does not have."""
     with importing():
         from flatgrasp_cli.job import Job
     from flatgrasp_cli.cli.place_options import parse_sensor, parse_workcell
     from flatgrasp_cli.profiles import load_gripper, load_settings
+    from flatgrasp_cli.sources import EVERYTHING
 
     asked = {
         "scene": f"scene.mode={scene}" if scene else None,
@@ -207,7 +191,9 @@ def _job(
         gripper=load_gripper(gripper),
         settings=load_settings(method, tuple(each.text for each in settings)),
         workcell=parse_workcell(robot, camera_pose, base_frame),
-        selection=replace(_selection(**frames), sensor_frame=stated if isinstance(stated, str) else None),
+        selection=replace(
+            _selection(**frames) if frames else EVERYTHING, sensor_frame=stated if isinstance(stated, str) else None
+        ),
         sensor=None if isinstance(stated, str) else stated,
         scale=scale,
         top=top,

@@ -21,6 +21,7 @@ frame, is out by far more as a rule."""
 class Plan:
     """The answer for one cloud, with the profiles and the settings that it was found with.
 
+    `gripper` is the hand that was planned for: what the method makes of the profile.
     `cloud` is the one that was planned on: its `sensor` is where the sensor was taken to be, and why.
     """
 
@@ -80,6 +81,8 @@ def plan(
     if top < 1:
         raise ValueError(f"top is how many grasps to keep, one or more, not {top}")
     resolved = (settings or load_settings()).resolve(gripper)
+    if resolved.hand.model == "paper":
+        gripper = gripper.in_the_papers_symbols()
     began = time.perf_counter()
     cloud = located(without_far_strays(without_repeats(cloud)), resolved.scene.up, resolved.seed)
     scene = segment(cloud, resolved.scene, resolved.seed)

@@ -55,6 +55,10 @@ class Gripper(Profile):
     """The fingers of the jaw on the −y and of the jaw on the +y side: their places along x, metres."""
     pad_friction: Annotated[float, Field(ge=0.01, le=5)] = 0.5
     """Coulomb coefficient of the pads on a common object; ice on ice has 0.02."""
+    paper_finger_width_m: Size | None = None
+    """w_f of the paper's own method, whose two fingers are equal, metres; None: the mean of both jaws' widths."""
+    paper_hand_width_m: Size | None = None
+    """w_h of the paper's eq. (2), metres: of the fingers, not of wrist and palm (Fig. 16). None: its w_f."""
     max_force_n: Annotated[float, Field(ge=0.01, le=1e5)] | None = None
     """The force with which the fingers can press, newtons; None: not known."""
 
@@ -87,6 +91,20 @@ class Gripper(Profile):
     def jaw_width_m(self, jaw: int) -> float:
         """Width of a jaw from the outer edge of its first finger to that of its last."""
         return self.finger_width_m + max(self.jaws[jaw]) - min(self.jaws[jaw])
+
+    def in_the_papers_symbols(self) -> Self:
+        """What the paper knows of the hand: two equal fingers of width w_f, and a hand width w_h that belongs to them.
+
+        A thumb against a pair has two widths, the palm another one; with those eq. (2) leaves nothing of what the paper
+        grasps.
+        """
+        width = self.paper_finger_width_m or 0.5 * (self.jaw_width_m(0) + self.jaw_width_m(1))
+        symbols = {
+            "jaws": ((0.0,), (0.0,)),
+            "finger_width_m": width,
+            "hand_width_m": self.paper_hand_width_m or width,
+        }
+        return self.model_copy(update=symbols)
 
     def finger_length_at_m(self, opening_m: float) -> float:
         """From the palm to the fingertips' ends at an opening: arc linkages push them out as they close."""

@@ -34,9 +34,9 @@ def grasp_part(grasp: Grasp, gripper: Gripper) -> GraspPart:
     """The part of a plan's document that tells one grasp of a gripper."""
     return GraspPart(
         rank=grasp.rank,
-        pose=_pose(Pose(grasp.position, grasp.orientation)),
-        pre_grasp=_pose(grasp.pre_grasp),
-        lift=_pose(grasp.lift),
+        pose=pose_part(Pose(grasp.position, grasp.orientation)),
+        pre_grasp=pose_part(grasp.pre_grasp),
+        lift=pose_part(grasp.lift),
         flange=_poses(grasp.flange),
         hand=None if grasp.hand is grasp.flange else _poses(grasp.hand),
         tip_shift_m=number(gripper.finger_length_at_m(grasp.width_m) - gripper.finger_length_at_m(grasp.opening_m)),
@@ -52,10 +52,11 @@ def grasp_part(grasp: Grasp, gripper: Gripper) -> GraspPart:
 
 
 def _poses(poses: Poses) -> PosesPart:
-    return PosesPart(pose=_pose(poses.pose), pre_grasp=_pose(poses.pre_grasp), lift=_pose(poses.lift))
+    return PosesPart(pose=pose_part(poses.pose), pre_grasp=pose_part(poses.pre_grasp), lift=pose_part(poses.lift))
 
 
-def _pose(pose: Pose) -> PosePart:
+def pose_part(pose: Pose) -> PosePart:
+    """A pose."""
     return PosePart(position=numbers(pose.position), orientation=numbers(pose.orientation))
 
 

@@ -7,15 +7,19 @@ that says so.
 from __future__ import annotations
 
 from pathlib import Path, PurePath
-from typing import Literal
+from typing import TYPE_CHECKING, BinaryIO, Literal
 
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.model import Cloud, Source
 from flatgrasp_cli.sources.pcd_header import is_pcd
-from flatgrasp_cli.sources.pcd_ply import read_pcd, read_ply
+from flatgrasp_cli.sources.pcd_ply import read_pcd, read_ply, read_polygons
 from flatgrasp_cli.sources.ply_header import is_ply
 from flatgrasp_cli.sources.selection import EVERYTHING, Selection
 from flatgrasp_cli.sources.text_lines import BYTE_ORDER_MARK
+
+if TYPE_CHECKING:
+    from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
+    from flatgrasp_cli.sources.meshes import Polygons
 
 Kind = Literal["PCD", "PLY", "STL", "OBJ", "OFF", "glTF", "depth image"]
 SNIFFED_BYTES = 65_536
@@ -56,11 +60,39 @@ def read_kind(kind: Kind, path: Path, name: str, scale: float, selection: Select
             return read_pcd(file, name, scale)
         if kind == "PLY":
             return read_ply(file, name, scale)
-        from flatgrasp_cli.sources.meshes import read_gltf, read_obj, read_off, read_stl
+        from flatgrasp_cli.sources.meshes import UP_ASSUMED, polygon_cloud
 
-        if kind == "glTF":  # its buffers may be files beside it, if it is no copy of a pipe
-            return read_gltf(file, name, scale, path.parent if str(path) == name else None)
-        return {"STL": read_stl, "OBJ": read_obj, "OFF": read_off}[kind](file, name, scale)
+        cloud = polygon_cloud(_polygons(kind, file, path, name), name, scale)
+        return cloud.warned(UP_ASSUMED) if kind == "glTF" else cloud
+
+
+def read_surface(path: Path, name: str, scale: float = 1.0) -> tuple[FloatArray, IntArray]:
+    """The vertices (n, 3) of a mesh file, in metres, and the triangles (m, 3) over them.
+
+    Raises
+    ------
+    SourceError
+        If it is no mesh, or broken.
+    """
+    from flatgrasp_cli.sources.meshes import surface
+
+    kind = kind_of_file(path, name)
+    with path.open("rb") as file:
+        polygons = None if kind in ("PCD", "depth image") else _polygons(kind, file, path, name)
+    if polygons is None or len(polygons.sizes) == 0:
+        raise SourceError(f"{name}: has no faces; a mesh is wanted (STL, OBJ, PLY, OFF, glTF)")
+    return surface(polygons, name, scale)
+
+
+def _polygons(kind: Kind, file: BinaryIO, path: Path, name: str) -> Polygons:
+    """The polygons of a mesh file."""
+    from flatgrasp_cli.sources.meshes import read_gltf, read_obj, read_off, read_stl
+
+    if kind == "PLY":
+        return read_polygons(file, name)
+    if kind == "glTF":  # its buffers may be files beside it, if it is no copy of a pipe
+        return read_gltf(file, name, path.parent if str(path) == name else None)
+    return {"STL": read_stl, "OBJ": read_obj, "OFF": read_off}[kind](file, name)
 
 
 def kind_of_file(path: Path, name: str) -> Kind:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import BinaryIO
+from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from flatgrasp_cli.sources.pcd_header import PcdHeader, check_pcd_data, read_pcd
 from flatgrasp_cli.sources.ply_elements import Column, read_element
 from flatgrasp_cli.sources.ply_header import PlyElement, PlyHeader, read_ply_header
 from flatgrasp_cli.sources.text_lines import shown, with_lf
+
+if TYPE_CHECKING:
+    from flatgrasp_cli.sources.meshes import Polygons
 
 MORE_POINTS = CloudWarning(
     "more_points_than_declared",
@@ -79,24 +82,45 @@ def read_ply(file: BinaryIO, name: str, scale: float = 1.0) -> Cloud:
     """
     header = read_ply_header(file, name)
     text = with_lf(file, cr=header.cr) if header.format == "ascii" else file
-    wanted = [_wanted(element, name) for element in header.elements]
-    last = max(k for k, places in enumerate(wanted) if places)
-    found: dict[str, list[Column]] = {}
-    for element, places in zip(header.elements[: last + 1], wanted, strict=False):
-        columns = read_element(text, header, element, places, name)
-        found.setdefault(element.name, columns)
+    found = _elements(text, header, name)
     vertices = [column.values for column in found["vertex"]]
     if len(vertices[0]) == 0:
         raise SourceError(f"{name}: the file declares no points")
     if found.get("face"):
         from flatgrasp_cli.sources.meshes import polygon_cloud
 
-        (faces,) = found["face"]
-        with np.errstate(invalid="ignore"):  # NaN of some kinds warn when they are converted
-            corners = np.stack(vertices, axis=1)
-        return polygon_cloud(corners, faces.values, faces.sizes, name, scale)
+        return polygon_cloud(_polygons(found), name, scale)
     cloud = _seen_by(found.get("camera"), vertices, name, scale)
     return cloud.warned(MORE_POINTS) if _goes_on(text, header) else cloud
+
+
+def read_polygons(file: BinaryIO, name: str) -> Polygons:
+    """Read the faces of a PLY file; none if it has none."""
+    header = read_ply_header(file, name)
+    text = with_lf(file, cr=header.cr) if header.format == "ascii" else file
+    return _polygons(_elements(text, header, name))
+
+
+def _elements(text: BinaryIO, header: PlyHeader, name: str) -> dict[str, list[Column]]:
+    """The columns that are wanted of each element."""
+    wanted = [_wanted(element, name) for element in header.elements]
+    last = max(k for k, places in enumerate(wanted) if places)
+    found: dict[str, list[Column]] = {}
+    for element, places in zip(header.elements[: last + 1], wanted, strict=False):
+        columns = read_element(text, header, element, places, name)
+        found.setdefault(element.name, columns)
+    return found
+
+
+def _polygons(found: dict[str, list[Column]]) -> Polygons:
+    from flatgrasp_cli.sources.meshes import Polygons
+
+    with np.errstate(invalid="ignore"):  # NaN of some kinds warn when they are converted
+        vertices = np.stack([column.values for column in found["vertex"]], axis=1)
+    if not found.get("face"):
+        return Polygons(vertices, np.empty(0), np.empty(0, dtype=np.intp))
+    (faces,) = found["face"]
+    return Polygons(vertices, faces.values, faces.sizes)
 
 
 def _wanted(element: PlyElement, name: str) -> list[int]:

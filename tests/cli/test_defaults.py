@@ -98,7 +98,7 @@ FAULTS = {
     "top: 0": "top: 0 is not in the range x>=1",
     "scale: -1": "scale: -1.0 is not a positive number",
     "scene: tables": "scene: 'tables' is not one of",
-    "plots: none": "plots: not all commands have it; put it below batch or plan:",
+    "plots: none": "plots: not all commands have it; put it below batch or plan or simulate:",
     "plan: {plot: none}": "plan: plot: unknown key; did you mean 'plots'?",
     "plan: none": "plan: wants options of that command",
     "top: {a: 1}": "top: is a single value",

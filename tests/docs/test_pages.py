@@ -14,8 +14,10 @@ import reference
 
 from flatgrasp_cli import errors
 from flatgrasp_cli.interrupts import INTERRUPTED
+from flatgrasp_cli.profiles import list_profiles
 from flatgrasp_cli.results.contracts import json_schema
 from flatgrasp_cli.robot.reach import LIMITS
+from flatgrasp_cli.simulation.samples import SAMPLES
 from tests.package_trees import FILES, PACKAGE, tree
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -151,6 +153,17 @@ def test_the_flow_shows_every_room_of_the_package() -> None:
     assert packages - set(shown) == set()
     assert set(shown) - packages - modules == set()
     assert (len(flow.PLACED), len(flow.PASSED)) == (len(flow.READING) - 1, len(flow.WORKING) - 1)
+
+
+def test_the_held_rates_are_those_of_all_grippers_and_all_samples() -> None:
+    text = (DOCS / "held_rates.md").read_text(encoding="utf-8")
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in text.splitlines() if line.startswith("|")]
+    of_table = len(list_profiles("gripper")) + 2
+    assert len(rows) == 2 * of_table  # for a hand that goes where it should, and for one that misses
+    for table in (rows[:of_table], rows[of_table:]):
+        assert table[0] == ["gripper", *(name.replace("_", " ") for name in SAMPLES)]
+        assert [row[0].strip("`") for row in table[2:]] == list_profiles("gripper")
+        assert all(re.match(r"\d+/10\b", cell) for row in table[2:] for cell in row[1:])
 
 
 def test_what_pages_take_from_the_program_is_there() -> None:

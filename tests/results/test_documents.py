@@ -79,6 +79,7 @@ MADE: dict[str, Callable[[Tool], Documents]] = {
     "cage": caged,
     "compare": lambda tool: tool.lines("compare", tool.plate, tool.large, SAMPLES / "pan.pcd"),
     "inspect": inspected,
+    "trial": lambda tool: tool.lines("simulate", "hammer", "juice_box", "--trials", "1", "--mu", "0.05"),
     "gripper": lambda tool: tool.profiles("gripper"),
     "robot": lambda tool: tool.profiles("robot"),
     "planner": lambda tool: tool.profiles("planner"),

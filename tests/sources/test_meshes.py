@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.sensor import located
 from flatgrasp_cli.sources import read_clouds
+from flatgrasp_cli.sources.files import read_surface
 from flatgrasp_cli.sources.meshes.mesh import ACROSS, MOST_POINTS, PITCH_M, sampled_surface
 from tests.conftest import Run
 from tests.sources.meshes import (
@@ -177,3 +178,27 @@ def test_inspect_shows_a_mesh(tmp_path: Path, run: Run) -> None:
     summary = json.loads(ended.out)
     assert (ended.code, summary["container"]) == (0, "STL")
     np.testing.assert_allclose(summary["clouds"][0]["high_m"], [0.04, 0.03, 0.5], atol=1e-3)
+
+
+@pytest.mark.parametrize("form", WRITERS)
+def test_the_triangles_of_a_file_are_those_of_its_faces(form: str, tmp_path: Path) -> None:
+    path = tmp_path / "bracket"
+    path.write_bytes(WRITERS[form](1e3 * BRACKET, BRACKET_FACES))
+    vertices, triangles = read_surface(path, path.name, 1e-3)
+    a, b, c = np.moveaxis(vertices[triangles], 1, 0)
+    volume = np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6  # of a closed surface, by the divergence theorem
+    assert volume == pytest.approx((0.08 * 0.06 - 0.04 * 0.04) * 0.02, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    "text", ["ply\nformat ascii 1.0\nelement vertex 1\n", "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\n"]
+)
+def test_points_have_no_triangles(text: str, tmp_path: Path) -> None:
+    path = tmp_path / "points"
+    ends = {
+        "p": "property float x\nproperty float y\nproperty float z\nend_header\n0 0 1\n",
+        "#": "SIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n0 0 1\n",
+    }
+    path.write_text(text + ends[text[0]], encoding="utf-8")
+    with pytest.raises(SourceError, match="points: has no faces; a mesh is wanted"):
+        read_surface(path, "points")

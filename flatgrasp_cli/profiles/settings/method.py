@@ -87,6 +87,8 @@ class BalanceSettings(Profile):
 class HandSettings(Profile):
     """§III.B.3 to B.5: grasping range, variance, operability."""
 
+    model: Literal["profile", "paper"]
+    """The hand as its profile has it, or what the paper knows of it: two equal fingers, and a width w_h of theirs."""
     closing_axis: Literal["bisector", "contacts"]
     """The hand closes along the two directions' bisector (pads lie flush) or along the line of contacts."""
     width: Literal["extent", "midpoints"]

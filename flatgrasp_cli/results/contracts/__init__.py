@@ -27,6 +27,7 @@ KINDS = {
     "cage": Kind(f"{__name__}.cage", "CageDocument", "What cage says of one outline."),
     "compare": Kind(f"{__name__}.compare", "CompareDocument", "What compare says of one object."),
     "inspect": Kind(f"{__name__}.inspect", "InspectDocument", "What inspect says of one source."),
+    "trial": Kind(f"{__name__}.trial", "TrialDocument", "What simulate says of one attempt to grasp."),
     "batch": Kind(f"{__name__}.batch", "BatchDocument", "A whole batch in numbers: its summary.json."),
     "batch-record": Kind(f"{__name__}.batch", "RecordDocument", "What a batch remembers of one frame."),
     "batch-manifest": Kind(f"{__name__}.batch", "ManifestDocument", "What the results of a batch were made with."),

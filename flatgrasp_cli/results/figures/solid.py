@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
 from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion
-from flatgrasp_cli.model import ObjectPlan, Silhouette
+from flatgrasp_cli.model import ObjectPlan, OrientedBox, Silhouette
 from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.results.figures.close import draw_close
 from flatgrasp_cli.results.figures.hand import CORNERS
@@ -53,7 +53,14 @@ def boxes(plan: Plan, item: ObjectPlan) -> Figure:
     box = item.box
     assert box is not None  # noqa: S101 - stages that were not reached are not drawn
     page = Page("A.1 oriented bounding box and main plane", 1)
-    axes = page.panel(f"object {item.object.id}", solid=True)
+    draw_boxes(page.panel(f"object {item.object.id}", solid=True), plan, item, box)
+    size = " × ".join(f"{MM * length:.0f}" for length in box.size)
+    words = f"{size} mm along its axes x (major), y (middle) and z (minor, toward the sensor)"
+    return page.finish([("Box", f"{words}; x and y span the main plane")])
+
+
+def draw_boxes(axes: Any, plan: Plan, item: ObjectPlan, box: OrientedBox) -> None:
+    """An object's points in its oriented and its axis-aligned bounding box."""
     frame = _upright(plan, item)
     points = frame.to_local(item.object.points)
     draw_dots_in_space(axes, points, GREY, "object")
@@ -65,9 +72,6 @@ def boxes(plan: Plan, item: ObjectPlan) -> Figure:
     lengths = 0.5 * box.size + OUTSIDE_SHARE * box.size.max()
     names = draw_axes_of(axes, center, toward, lengths, "x, y, z: axes of the oriented box")
     finish_space(axes, np.vstack([points, names, *map(frame.to_local, corners)]), UPRIGHT, AZIMUTH_DEG)
-    size = " × ".join(f"{MM * length:.0f}" for length in box.size)
-    words = f"{size} mm along its axes x (major), y (middle) and z (minor, toward the sensor)"
-    return page.finish([("Box", f"{words}; x and y span the main plane")])
 
 
 def balance_surface(_: Plan, item: ObjectPlan) -> Figure:
@@ -103,8 +107,14 @@ def final_on_cloud(plan: Plan, item: ObjectPlan) -> Figure:
     view = view_of(plan, silhouette.frame.axes[2])
     page = Page("C the final grasp", 2)
     draw_close(page.panel(f"object {item.object.id} in the main plane"), plan, item, view)
-    axes = page.panel("on the cloud", solid=True)
-    frame = _upright(plan, item)
+    draw_on_cloud(page.panel("on the cloud", solid=True), plan, item, silhouette)
+    approach = in_numbers(axes_from_quaternion(grasp.orientation)[2])
+    return page.finish([("Approach", f"along {approach} in {plan.cloud.frame_name!r}")])
+
+
+def draw_on_cloud(axes: Any, plan: Plan, item: ObjectPlan, silhouette: Silhouette) -> None:
+    """The final grasp in space: the points under the pads, the grasping line, and the closed hand."""
+    grasp, frame = item.grasps[0], _upright(plan, item)
     near = _near_pads(item, silhouette)
     points = frame.to_local(item.object.points)
     draw_dots_in_space(axes, points[~near], PALE, "object")
@@ -116,8 +126,6 @@ def final_on_cloud(plan: Plan, item: ObjectPlan) -> Figure:
     )
     names = _draw_frame(axes, frame, plan, np.vstack([points, hand]))
     finish_space(axes, np.vstack([points, hand, names]), UPRIGHT, AZIMUTH_DEG)
-    approach = in_numbers(axes_from_quaternion(grasp.orientation)[2])
-    return page.finish([("Approach", f"along {approach} in {plan.cloud.frame_name!r}")])
 
 
 def _draw_frame(axes: object, frame: Frame, plan: Plan, drawn: FloatArray) -> FloatArray:

@@ -18,9 +18,9 @@ from urllib.parse import unquote
 import numpy as np
 
 from flatgrasp_cli.errors import SourceError
-from flatgrasp_cli.model import UP_UNTOLD, Cloud, CloudWarning
+from flatgrasp_cli.model import UP_UNTOLD, CloudWarning
 from flatgrasp_cli.open3d_door import load_open3d
-from flatgrasp_cli.sources.meshes.mesh import polygon_cloud
+from flatgrasp_cli.sources.meshes.mesh import Polygons
 from flatgrasp_cli.sources.text_lines import shown
 
 MAGIC = b"glTF"
@@ -45,7 +45,7 @@ def is_gltf(head: bytes) -> bool:
     return head.startswith(MAGIC) or head.lstrip().startswith(b"{")
 
 
-def read_gltf(file: BinaryIO, name: str, scale: float = 1.0, folder: Path | None = None) -> Cloud:
+def read_gltf(file: BinaryIO, name: str, folder: Path | None = None) -> Polygons:
     """Read the surface of a glTF scene; buffers in other files are looked for in `folder`, if there is one.
 
     Raises
@@ -71,8 +71,7 @@ def read_gltf(file: BinaryIO, name: str, scale: float = 1.0, folder: Path | None
             f"{name}: the glTF file declares {expected} triangles, Open3D could read {found} of them; it is damaged"
         )
     corners = mesh.triangle.indices.numpy().astype(np.int64).reshape(-1)
-    cloud = polygon_cloud(mesh.vertex.positions.numpy(), corners, np.full(found, 3), name, scale)
-    return cloud.warned(UP_ASSUMED)
+    return Polygons(mesh.vertex.positions.numpy(), corners, np.full(found, 3))
 
 
 def _by_open3d(clean: bytes, name: str) -> Any:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,36 +28,61 @@ SIZE_WARNING = CloudWarning(
 )
 
 
-def polygon_cloud(
-    vertices: NDArray[np.number], corners: NDArray[np.number], sizes: IntArray, name: str, scale: float = 1.0
-) -> Cloud:
-    """The surface of polygons over `vertices` (n, 3); without polygons, the vertices.
+@dataclass(frozen=True, slots=True, eq=False)
+class Polygons:
+    """What a mesh file holds: polygons over `vertices` (n, 3), in the file's own unit.
 
     `corners` are indices, those of all polygons one after another, of which each polygon has `sizes` (k,).
+    """
+
+    vertices: NDArray[np.number]
+    corners: NDArray[np.number]
+    sizes: IntArray
+
+
+def polygon_cloud(polygons: Polygons, name: str, scale: float = 1.0) -> Cloud:
+    """The surface of polygons; without polygons, the vertices.
 
     Raises
     ------
     SourceError
         If a polygon names a vertex that is not there or not finite, or the polygons have no area.
     """
-    if len(vertices) == 0:
-        raise SourceError(f"{name}: the file has no vertices")
-    with np.errstate(invalid="ignore", over="ignore"):  # NaN of some kinds warn when they are converted
-        places: FloatArray = scale * vertices.astype(np.float64)
-    if len(sizes) == 0:
-        return Cloud(places, source=Source(name))
-    whole = corners.astype(np.intp) if _in_range(corners, len(vertices)) else None
-    if whole is None:
-        wrong = corners[~((corners >= 0) & (corners < len(vertices)) & (corners == np.floor(corners)))][0]
-        raise SourceError(f"{name}: a face names vertex {wrong:g}, counted from 0; there are {len(vertices)} vertices")
-    used = np.zeros(len(vertices), dtype=np.bool_)
-    used[whole] = True
-    if not (np.abs(places[used]) <= LARGEST_COORDINATE_M).all():
-        raise SourceError(f"{name}: a face has a corner that is not finite, or farther away than 10 km")
-    points = sampled_surface(places[triangulated(places, whole, sizes, name)], name)
+    if len(polygons.sizes) == 0:
+        return Cloud(_places(polygons, name, scale), source=Source(name))
+    places, triangles = surface(polygons, name, scale)
+    points = sampled_surface(places[triangles], name)
     warnings = (SIZE_WARNING,) if np.ptp(points, axis=0).max() > UNLIKELY_SIZE_M else ()
     sensor = Sensor("all_sides", None, np.array([0.0, 0.0, 1.0]))
     return Cloud(points, source=Source(name), sensor=sensor, warnings=warnings)
+
+
+def surface(polygons: Polygons, name: str, scale: float = 1.0) -> tuple[FloatArray, IntArray]:
+    """The vertices (n, 3) in metres, and the triangles (m, 3) over them.
+
+    Raises
+    ------
+    SourceError
+        If a polygon names a vertex that is not there or not finite, or crosses itself.
+    """
+    places, corners = _places(polygons, name, scale), polygons.corners
+    whole = corners.astype(np.intp) if _in_range(corners, len(places)) else None
+    if whole is None:
+        wrong = corners[~((corners >= 0) & (corners < len(places)) & (corners == np.floor(corners)))][0]
+        raise SourceError(f"{name}: a face names vertex {wrong:g}, counted from 0; there are {len(places)} vertices")
+    used = np.zeros(len(places), dtype=np.bool_)
+    used[whole] = True
+    if not (np.abs(places[used]) <= LARGEST_COORDINATE_M).all():
+        raise SourceError(f"{name}: a face has a corner that is not finite, or farther away than 10 km")
+    return places, triangulated(places, whole, polygons.sizes, name)
+
+
+def _places(polygons: Polygons, name: str, scale: float) -> FloatArray:
+    """The vertices in metres."""
+    if len(polygons.vertices) == 0:
+        raise SourceError(f"{name}: the file has no vertices")
+    with np.errstate(invalid="ignore", over="ignore"):  # NaN of some kinds warn when they are converted
+        return np.asarray(scale * polygons.vertices.astype(np.float64))
 
 
 def _in_range(corners: NDArray[np.number], count: int) -> bool:

@@ -8,8 +8,7 @@ from typing import BinaryIO
 
 import numpy as np
 
-from flatgrasp_cli.model import Cloud
-from flatgrasp_cli.sources.meshes.mesh import polygon_cloud
+from flatgrasp_cli.sources.meshes.mesh import Polygons
 from flatgrasp_cli.sources.meshes.text import floats, integers, malformed, words_of
 
 COMMENTS = re.compile(rb"(\s|#[^\r\n]*[\r\n])*")
@@ -23,7 +22,7 @@ def is_obj(head: bytes) -> bool:
     return begin is not None and bool(STATEMENT.match(head, begin.end())) and bool(VERTEX.search(head))
 
 
-def read_obj(file: BinaryIO, name: str, scale: float = 1.0) -> Cloud:
+def read_obj(file: BinaryIO, name: str) -> Polygons:
     """Read the surface of an OBJ file, or its vertices if it has no faces."""
     coordinates, corners, sizes = array("d"), array("q"), array("q")
     for line in words_of(file):
@@ -40,4 +39,4 @@ def read_obj(file: BinaryIO, name: str, scale: float = 1.0) -> Cloud:
             corners.extend([index - 1 if index > 0 else max(count + index, -1) for index in indices])
             sizes.append(len(indices))
     vertices = np.array(coordinates, dtype=np.float64).reshape(-1, 3)
-    return polygon_cloud(vertices, np.array(corners, dtype=np.int64), np.array(sizes, dtype=np.intp), name, scale)
+    return Polygons(vertices, np.array(corners, dtype=np.int64), np.array(sizes, dtype=np.intp))

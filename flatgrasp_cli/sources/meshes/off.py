@@ -9,8 +9,7 @@ from typing import BinaryIO
 import numpy as np
 
 from flatgrasp_cli.errors import SourceError
-from flatgrasp_cli.model import Cloud
-from flatgrasp_cli.sources.meshes.mesh import polygon_cloud
+from flatgrasp_cli.sources.meshes.mesh import Polygons
 from flatgrasp_cli.sources.meshes.text import floats, integers, malformed, words_of
 
 BEGINNING = re.compile(rb"(\s|#[^\r\n]*[\r\n])*(ST)?C?N?OFF(?=\s|\d)")
@@ -22,7 +21,7 @@ def is_off(head: bytes) -> bool:
     return BEGINNING.match(head) is not None
 
 
-def read_off(file: BinaryIO, name: str, scale: float = 1.0) -> Cloud:
+def read_off(file: BinaryIO, name: str) -> Polygons:
     """Read the surface of an OFF file, or its vertices if it has no faces.
 
     The counts may follow the magic on its line, even without a space, as in files of ModelNet.
@@ -55,4 +54,4 @@ def read_off(file: BinaryIO, name: str, scale: float = 1.0) -> Cloud:
             f"{name}: the header declares {n_vertices} vertices and {n_faces} faces, the file has {len(vertices)} and "
             f"{len(sizes)}; it is truncated"
         )
-    return polygon_cloud(vertices, np.array(corners, dtype=np.int64), np.array(sizes, dtype=np.intp), name, scale)
+    return Polygons(vertices, np.array(corners, dtype=np.int64), np.array(sizes, dtype=np.intp))

@@ -11,8 +11,7 @@ import numpy as np
 
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.model import Cloud
-from flatgrasp_cli.sources.meshes.mesh import polygon_cloud
+from flatgrasp_cli.sources.meshes.mesh import Polygons
 from flatgrasp_cli.sources.meshes.text import floats, malformed, words_of
 
 TEXT = re.compile(rb"\s*solid\b", re.IGNORECASE)
@@ -34,7 +33,7 @@ def _is_text(head: bytes) -> bool:
     return TEXT.match(head) is not None and FACET.search(head) is not None
 
 
-def read_stl(file: BinaryIO, name: str, scale: float = 1.0) -> Cloud:
+def read_stl(file: BinaryIO, name: str) -> Polygons:
     """Read the surface of an STL file; many binary ones begin with "solid" as those in text do.
 
     Raises
@@ -59,7 +58,7 @@ def read_stl(file: BinaryIO, name: str, scale: float = 1.0) -> Cloud:
     if not len(vertices):
         raise SourceError(f"{name}: the mesh has no triangles")
     corners = np.arange(len(vertices))
-    return polygon_cloud(vertices, corners, np.full(len(vertices) // 3, 3), name, scale)
+    return Polygons(vertices, corners, np.full(len(vertices) // 3, 3))
 
 
 def _text_vertices(file: BinaryIO, name: str) -> FloatArray:

@@ -57,7 +57,7 @@ def _fans(polygons: IntArray) -> IntArray:
 
 
 def _concave(vertices: FloatArray, polygon: IntArray, name: str) -> IntArray:
-    """Triangles of a polygon with a bay, found in the coordinate plane in which it is widest."""
+    """Triangles of a polygon with a bay, which face as it does, found in the coordinate plane in which it is widest."""
     import shapely
 
     places = vertices[polygon]
@@ -69,4 +69,7 @@ def _concave(vertices: FloatArray, polygon: IntArray, name: str) -> IntArray:
     corner_at = {tuple(place): corner for place, corner in zip(flat.tolist(), polygon.tolist(), strict=True)}
     pieces = shapely.get_parts(shapely.constrained_delaunay_triangles(outline))
     rings = shapely.get_coordinates(shapely.get_exterior_ring(pieces)).reshape(-1, 4, 2)[:, :3]
-    return np.array([[corner_at[tuple(place)] for place in ring] for ring in rings.tolist()], dtype=np.intp)
+    triangles = np.array([[corner_at[tuple(place)] for place in ring] for ring in rings.tolist()], dtype=np.intp)
+    a, b, c = np.moveaxis(vertices[triangles], 1, 0)
+    turned = np.cross(b - a, c - a) @ normal < 0
+    return np.where(turned[:, None], triangles[:, ::-1], triangles)
