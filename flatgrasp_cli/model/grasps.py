@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model.poses import Pose, Poses, Way
 
@@ -130,6 +132,13 @@ class Grasp:
     def lift(self) -> Pose:
         """The fingertips' pose after the grasp, with the object lifted."""
         return self.way.tips.lift
+
+    @property
+    def tilt_deg(self) -> float:
+        """How far from straight down on the support plane the hand comes, degrees; 0 for an object alone."""
+        back, up = (np.subtract(pose.position, self.position) for pose in (self.pre_grasp, self.lift))
+        lengths = np.linalg.norm(back) * np.linalg.norm(up)
+        return float(np.degrees(np.arccos(np.clip(back @ up / lengths, -1.0, 1.0)))) if lengths > 0 else 0.0
 
     @property
     def flange(self) -> Poses:

@@ -53,8 +53,9 @@ class ObjectCloud:
     They were seen from `viewpoint` (3,), or, if that is None, from all sides. `support` is the plane it stands on, None
     when it was seen alone, and `floor` what was seen of that. Near it lie other points above the plane, `obstacles`
     (m, 3), for fingers and palm to keep clear of. Objects that touch have the same `group`; None touches no other.
-    `cut_off` says that the picture's edge cuts it off, so that it goes on where nobody looked, `at_edge` that it lies
-    at the edge of what was seen of the support plane, and `supports` are the numbers of the objects that lie on it.
+    `in_container` says that it lies in a bin, `cut_off` that the picture's edge cuts it off, so that it goes on where
+    nobody looked, and `at_edge` that it lies at the edge of what was seen of the support plane. `supports` are the
+    numbers of the objects that lie on it.
     """
 
     id: int
@@ -65,6 +66,7 @@ class ObjectCloud:
     obstacles: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
     floor: Floor | None = None
     group: int | None = None
+    in_container: bool = False
     cut_off: bool = False
     at_edge: bool = False
     supports: tuple[int, ...] = ()

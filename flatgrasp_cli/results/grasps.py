@@ -36,6 +36,7 @@ def grasp_part(grasp: Grasp, gripper: Gripper) -> GraspPart:
         rank=grasp.rank,
         pose=pose_part(Pose(grasp.position, grasp.orientation)),
         pre_grasp=pose_part(grasp.pre_grasp),
+        tilt_deg=number(grasp.tilt_deg),
         lift=pose_part(grasp.lift),
         flange=_poses(grasp.flange),
         hand=None if grasp.hand is grasp.flange else _poses(grasp.hand),

@@ -44,6 +44,7 @@ def objects_of(
         replace(
             around.object(index, place),
             group=groups[index],
+            in_container=len(clusters.container) > 0,
             cut_off=cut[index],
             at_edge=at_edge[index],
             supports=carried[index],

@@ -166,6 +166,8 @@ class GraspPart(Part):
     """The fingertips' frame at the grasp: origin midway between their ends, z the approach, y the closing axis."""
     pre_grasp: PosePart
     """The fingertips' frame before the grasp, `settings.depth.approach_m` back along the approach."""
+    tilt_deg: Number
+    """How far from straight down on the support plane the hand comes, degrees; 0 for an object alone."""
     lift: PosePart
     """The fingertips' frame after the grasp, `settings.depth.lift_m` up from the support plane or, without, back."""
     flange: PosesPart

@@ -1,0 +1,115 @@
+"""Hands that come aslant: from where, over what, and only through space that was seen; the table's top is z = 0."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flatgrasp_cli import Plan, load_gripper, load_settings, plan
+from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion
+from flatgrasp_cli.geometry.height_map import HeightMap
+from flatgrasp_cli.geometry.raster import Raster
+from flatgrasp_cli.model import Grasp, ObjectCloud, SupportPlane
+from flatgrasp_cli.profiles import Gripper
+from flatgrasp_cli.surroundings import ways
+from tests.conftest import MM, TABLE, Box, Camera
+from tests.scene.test_heaps import distance, walls
+
+UP = np.array([0.0, 0.0, 1.0])
+SETTINGS = load_settings()
+BIN = walls(0.12)
+AT_WALL = Box((0.125, 0.0, 0.015), (0.03, 0.12, 0.03))
+"""A bar along a wall that is 55 mm away and 120 mm high; a PR2's palm would come down on that."""
+ABOVE = Camera(tilt_deg=5, distance=0.9, pixels=(400, 300), focal=400.0)
+
+
+def turned(angle_deg: float) -> Frame:
+    """A frame turned about x, 10 cm up."""
+    c, s = np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))
+    return Frame(np.array([0.02, -0.03, 0.1]), np.array([[1.0, 0, 0], [0, c, s], [0, -s, c]]))
+
+
+@pytest.mark.parametrize("angle_deg", [0, 30, -60])
+def test_an_aslant_axis_meets_the_heights_over_the_plane(angle_deg: float) -> None:
+    """Over a plane with steps of a millimetre along x, each cell's axis meets z = 0 where it should."""
+    raster = Raster.over(np.full(2, -0.5), np.full(2, 0.5), 0.01)
+    rows = raster.middles(np.arange(raster.shape[0]), np.zeros(raster.shape[0], dtype=np.intp))[:, 0]
+    floor = HeightMap(raster, np.repeat(np.round(rows, 2)[:, None] * 0.1, raster.shape[1], axis=1))
+    frame = turned(angle_deg)
+    chart = HeightMap.around(np.array([[-0.05, -0.05, 0.0], [0.05, 0.05, 0.0]]), 0.01)
+    found = chart.filled(floor, frame, Frame(np.zeros(3), np.eye(3)))
+    row, column = np.nonzero(np.isfinite(found.heights))
+    world = frame.to_world(np.column_stack([found.raster.middles(row, column), found.heights[row, column]]))
+    assert len(world) > 80
+    assert np.abs(world[:, 2] - 0.1 * world[:, 0]).max() < 2.5 * MM / np.cos(np.radians(angle_deg))
+
+
+def thing(viewpoint: tuple[float, float, float] | None) -> ObjectCloud:
+    plane = SupportPlane(UP, 0.0, 1 * MM)
+    seen = None if viewpoint is None else np.array(viewpoint)
+    return ObjectCloud(0, np.zeros((40, 3)), UP, seen, plane)
+
+
+@pytest.mark.parametrize("viewpoint", [(0.0, -0.5, 0.8), (0.4, 0.0, 0.2), (0.0, 0.0, 1.0), None])
+def test_hands_come_from_all_around_and_from_the_sensors_side_first(
+    viewpoint: tuple[float, float, float] | None,
+) -> None:
+    approach = SETTINGS.approach.model_copy(update={"tilts_deg": (30.0, 60.0)})
+    found = [np.array(ring) for ring in ways(thing(viewpoint), SETTINGS.model_copy(update={"approach": approach}))]
+    assert [len(ring) for ring in found] == [8, 8]
+    for ring, tilt in zip(found, (30, 60), strict=True):
+        assert np.linalg.norm(ring, axis=1) == pytest.approx(1)
+        assert np.degrees(np.arccos(ring[:, 2])) == pytest.approx(tilt)
+        assert ring.mean(axis=0)[:2] == pytest.approx(0, abs=1e-9)
+        if viewpoint is not None and np.hypot(*viewpoint[:2]) > 0.1:
+            assert int(np.argmax(ring @ np.array(viewpoint))) == 0
+
+
+def hand_in(grasp: Grasp, gripper: Gripper, *, back_m: float = 0.0) -> np.ndarray:
+    """Places in the open fingers and the palm, the hand so far back on its way, in the world."""
+    across = np.linspace(-0.5, 0.5, 7)
+    finger = np.stack(np.meshgrid(across, across, np.linspace(0.02, 1, 15)), axis=-1).reshape(-1, 3)
+    places = []
+    for sign in (-1, 1):
+        out = sign * 0.5 * (grasp.opening_m + gripper.finger_thickness_m)
+        size = [gripper.finger_width_m, gripper.finger_thickness_m, -gripper.finger_length_m]
+        places.append(finger * size + [0, out, 0])
+    palm = np.stack(np.meshgrid(across, np.linspace(-0.5, 0.5, 31), [1.0]), axis=-1).reshape(-1, 3)
+    places.append(palm * [gripper.hand_width_m, gripper.palm_m, -gripper.finger_length_m])
+    local = np.concatenate(places) - [0, 0, back_m]
+    return Frame(grasp.position, axes_from_quaternion(grasp.orientation)).to_world(local)
+
+
+def planned(*overrides: str, camera: Camera = ABOVE) -> Plan:
+    cloud = camera.sees(TABLE, *BIN, AT_WALL)
+    return plan(cloud, load_gripper("pr2"), load_settings("default", overrides))
+
+
+class TestInABin:
+    def test_what_stands_at_a_wall_is_had_aslant_and_no_wall_is_touched(self) -> None:
+        down = planned("approach.tilts_deg=[]").best
+        assert down is None or down.tilt_deg == pytest.approx(0)
+        found = planned()
+        assert found.best is not None, found.reason
+        assert found.best.tilt_deg == pytest.approx(30)
+        for grasp in found.objects[0].grasps:
+            assert grasp.tilt_deg == pytest.approx(30)
+            assert axes_from_quaternion(grasp.orientation)[2][0] > 0.1, "it leans away from the wall"
+            for back in (0.0, 0.03, 0.06, 0.1):
+                hand = hand_in(grasp, found.gripper, back_m=back)
+                assert min(distance(wall, hand).min() for wall in BIN) > 0
+                assert hand[:, 2].min() > 0
+
+    def test_on_a_table_it_is_not_tried_unless_asked_for(self) -> None:
+        """Between two walls that are no bin, a bar that only an aslant hand can reach."""
+        cloud = ABOVE.sees(TABLE, BIN[1], AT_WALL)
+        down = plan(cloud, load_gripper("pr2"), load_settings("default", ("approach.tilts_deg=[]",)))
+        usual = plan(cloud, load_gripper("pr2"))
+        assert [len(item.grasps) for item in usual.objects] == [len(item.grasps) for item in down.objects]
+
+    def test_no_hand_comes_through_what_was_not_seen(self) -> None:
+        """With nearly all of its way to be seen there is a grasp; if none of it may be hidden by anything, fewer."""
+        some, none = (planned(f"approach.hidden_share={share}") for share in (0.1, 0.0001))
+        counts = [sum(len(item.grasps) for item in found.objects) for found in (some, none)]
+        assert counts[0] >= counts[1]
+        assert counts[0] > 0
