@@ -5,7 +5,7 @@ from __future__ import annotations
 import gc
 import sys
 
-from flatgrasp_cli.interrupts import INTERRUPTED, Interrupts, say_interrupted
+from flatgrasp_cli.interrupts import Interrupts, end_at_once, say_interrupted
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ def main() -> NoReturn:
             raise
         say_interrupted()  # whatever a library made of it
     if interrupts.asked:
-        code = INTERRUPTED
+        end_at_once()
     gc.freeze()  # as it ends, Python would look for garbage in all that was imported, a sixth of a short run's time
     sys.exit(code)
 

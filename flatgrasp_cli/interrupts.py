@@ -18,6 +18,7 @@ import sys
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from types import FrameType
+    from typing import NoReturn
 
 INTERRUPTED = 130
 AGAIN_S = 0.02
@@ -83,3 +84,16 @@ def say_interrupted() -> None:
         os.write(STDERR, b"flatgrasp: interrupted\n")
     except OSError:  # nobody listens
         return
+
+
+def end_at_once() -> NoReturn:
+    """End the interrupted process without Python's own end, which waits for workers.
+
+    One that was stopped amid a message never reads the rest of it, and all files are whole by now.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except (OSError, ValueError):  # nobody listens
+            continue
+    os._exit(INTERRUPTED)

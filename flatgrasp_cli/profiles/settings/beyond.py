@@ -50,7 +50,7 @@ class ApproachSettings(Profile):
     tilts_deg: tuple[Annotated[float, Field(ge=5, le=85)], ...]
     """How far from straight down, degrees: each only if those before it leave nothing. Empty: straight down alone."""
     around: Annotated[int, Field(ge=1, le=36)]
-    """From how many sides at each tilt, the sensor's first."""
+    """The number of sides from which it is tried at each tilt, the sensor's first."""
     hidden_share: Share
     """Largest share of the space that an aslant hand moves through that the sensor did not see."""
 
