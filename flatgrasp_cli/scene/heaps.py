@@ -8,12 +8,12 @@ from typing import TypedDict
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
+from flatgrasp_cli.geometry.arrays import ByteArray, FloatArray, IntArray
 from flatgrasp_cli.model import SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.clusters import MIN_POINTS, PLANE_SIGMAS, Clusters
 from flatgrasp_cli.scene.container import Container, find_container
-from flatgrasp_cli.scene.parting import Limits, pieces
+from flatgrasp_cli.scene.parting import Limits, Surface, pieces
 
 FLOOR_SHARE = 0.5
 """A piece with more than this share of its points in the support plane is the floor, from which a bin's walls rise."""
@@ -43,6 +43,7 @@ class Heap:
     plane: SupportPlane
     viewpoint: FloatArray
     settings: SceneSettings
+    colors: ByteArray | None = None
 
     def container(self) -> Container | None:
         """The bin around what stands on the plane, if there is one; one with nothing in it is an object."""
@@ -148,10 +149,21 @@ class Heap:
             return [rows] if len(rows) else []
         least_m = self.settings.least_part_m
         compact = _length_m(self.points[rows]) <= LONGEST_WHOLE_M
-        limits = Limits(self.settings.seam_deg, least_m, neck_m=least_m if compact else 0.0)
-        points, floor = self.points[rows], self.clusters.floor
-        heights = self.plane.heights(points)
-        names = pieces(points, heights, self.viewpoint, floor.spacing_m, self.plane.noise_m, limits=limits)
+        limits = Limits(
+            seam_deg=self.settings.seam_deg,
+            least_m=least_m,
+            neck_m=least_m if compact else 0.0,
+            seam_color=self.settings.seam_color,
+        )
+        surface = Surface(
+            points=self.points[rows],
+            heights=self.plane.heights(self.points[rows]),
+            viewpoint=self.viewpoint,
+            spacing_m=self.clusters.floor.spacing_m,
+            noise_m=self.plane.noise_m,
+            colors=None if self.colors is None else self.colors[rows],
+        )
+        names = pieces(surface, limits)
         order = np.argsort(names, kind="stable")
         return np.split(rows[order], np.flatnonzero(np.diff(names[order])) + 1)
 

@@ -53,7 +53,7 @@ def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
         return Scene(None, (), cloud.points, NO_PLANE)
     viewpoint = overlook(cloud.points, sensor, plane)
     clusters = without_faint(cloud.points, clusters, plane, viewpoint)
-    heap = Heap(cloud.points, clusters, plane, viewpoint, settings=settings)
+    heap = Heap(cloud.points, clusters, plane, viewpoint, settings=settings, colors=cloud.colors)
     container = heap.container()
     small = clusters.extent_m <= settings.max_size_m and container is None
     if settings.mode == "auto" and small and (not clusters.lie_on_table or _goes_on_below(cloud.points, plane)):

@@ -78,3 +78,21 @@ class TestRipples:
         tall = Box((-0.05, 0.0, 0.12), (0.1, 0.06, 0.24))
         seen = Camera(tilt_deg=35, pixels=(400, 300), focal=570.0).sees(TABLE, tall)
         assert len(scene_of(rippled(seen, (x, 0.12), 0.016, 9 * MM)).objects) == count
+
+
+class TestColours:
+    LEFT, RIGHT = Box((-0.04, 0.0, 0.03), (0.08, 0.10, 0.06)), Box((0.04, 0.0, 0.03), (0.08, 0.10, 0.06))
+
+    def flush(self, other: tuple[int, int, int]) -> Cloud:
+        """Two boxes whose tops and fronts are flush, a brown one and one in another colour, unevenly lit."""
+        cloud = KINECT.sees(TABLE, self.LEFT, self.RIGHT)
+        light = np.random.default_rng(0).uniform(0.8, 1.0, len(cloud.points))
+        colors = np.where(cloud.points[:, :1] < 0, (120, 80, 50), other) * light[:, None]
+        return replace(cloud, colors=colors.astype(np.uint8))
+
+    @pytest.mark.parametrize(("other", "count"), [((200, 30, 30), 2), ((84, 56, 35), 1)], ids=["red", "in shadow"])
+    def test_flush_surfaces_are_parted_by_their_colours_if_that_is_asked_for(
+        self, other: tuple[int, int, int], count: int
+    ) -> None:
+        assert len(scene_of(self.flush(other)).objects) == 1
+        assert len(scene_of(self.flush(other), "seam_color=20").objects) == count

@@ -44,6 +44,9 @@ class SceneSettings(Profile):
     """A surface that goes on without a seam for longer than this, in metres, is no object but an obstacle."""
     seam_deg: Annotated[float, Field(ge=5, le=180)]
     """A concave bend of more than this, degrees, parts two objects that touch; 180: none does."""
+    seam_color: Annotated[float, Field(ge=1, le=300)] | None
+    """The difference of colours, a number in the units of a and b of CIE Lab, of which 2.3 can just be seen, that parts
+    objects whose surfaces are flush, in coloured clouds; None: colours part nothing, for prints differ as much."""
     least_part_m: Size
     """What touches another object and is smaller than a square of this side, metres, is a part of that."""
 

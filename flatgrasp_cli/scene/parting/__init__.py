@@ -4,6 +4,6 @@ Local convexity as in Stein et al., "Object Partitioning using Local Convexity" 
 into the cells of the sensor's image, `seams` tells which of them lie in a seam, and `pieces` are what seams leave.
 """
 
-from flatgrasp_cli.scene.parting.pieces import Limits, pieces
+from flatgrasp_cli.scene.parting.pieces import Limits, Surface, pieces
 
-__all__ = ["Limits", "pieces"]
+__all__ = ["Limits", "Surface", "pieces"]

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from flatgrasp_cli.scene.parting.joints import held_together
-from flatgrasp_cli.scene.parting.seams import seam_cells, surface_normals
+from flatgrasp_cli.scene.parting.seams import color_seam_cells, seam_cells, surface_normals
 from flatgrasp_cli.scene.parting.view_grid import DOWN, RIGHT, SIDES, ViewGrid, shifted
 
 LEAST_CELL_M = 0.003
@@ -28,7 +28,7 @@ MOST_FLOODS = 100
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What parts two pieces: a concave bend of more than `seam_deg`.
+    """What parts two pieces: a concave bend of more than `seam_deg`, or colours that differ by more than `seam_color`.
 
     A piece whose area, as seen, is less than a square of side `least_m` belongs to the one beside it, or the nearest.
     Pieces that meet along less than `neck_m` are one: a neck or a handle joins them.
@@ -37,28 +37,39 @@ class Limits:
     seam_deg: float
     least_m: float
     neck_m: float = 0.0
+    seam_color: float | None = None
 
 
-def pieces(
-    points: FloatArray,
-    heights: FloatArray,
-    viewpoint: FloatArray,
-    spacing_m: float,
-    noise_m: float,
-    limits: Limits,
-) -> IntArray:
-    """Names (n,), positive, of the pieces of the surface that `points` (n, 3) at `heights` (n,) lie on.
+@dataclass(frozen=True, slots=True, eq=False)
+class Surface:
+    """Points (n, 3) of a surface as seen from `viewpoint` (3,), and their `heights` (n,) over the support plane.
 
-    The points lie `spacing_m` apart and scatter by `noise_m` along the ray from `viewpoint` (3,).
+    They lie `spacing_m` apart and scatter by `noise_m` along the line of sight. `colors` (n, 3) are red, green and blue
+    up to 255, if there are any.
     """
+
+    points: FloatArray
+    heights: FloatArray
+    viewpoint: FloatArray
+    spacing_m: float
+    noise_m: float
+    colors: ByteArray | None = None
+
+
+def pieces(surface: Surface, limits: Limits) -> IntArray:
+    """Names (n,), positive, of the pieces that a surface is made of."""
+    spacing_m, noise_m = surface.spacing_m, surface.noise_m
     cell_m = max(LEAST_CELL_M, POINTS_ACROSS * spacing_m, fitting_cell_m(spacing_m, noise_m, limits.seam_deg))
-    grid = ViewGrid.of(points, heights, viewpoint, cell_m, noise_m)
+    grid = ViewGrid.of(surface.points, surface.heights, surface.viewpoint, cell_m, noise_m)
     normals, has_normal = surface_normals(grid)
-    names = _connected(grid, has_normal & ~seam_cells(grid, normals, has_normal, limits.seam_deg))
+    seams = seam_cells(grid, normals, has_normal, limits.seam_deg)
+    if surface.colors is not None and limits.seam_color is not None:
+        seams |= color_seam_cells(grid, surface.colors, limits.seam_color)
+    names = _connected(grid, has_normal & ~seams)
     for least_cells in (CORE_CELLS, max(LEAST_CELLS, (limits.least_m / grid.cell_m) ** 2)):
         names = _of_size(names, least_cells)
         if np.count_nonzero(np.bincount(names.ravel())[1:]) < 2:
-            return np.ones(len(points), dtype=np.intp)
+            return np.ones(len(surface.points), dtype=np.intp)
         names = _flooded(grid, names, normals)
     names = _over_necks(grid, _nearest(names), limits.neck_m)
     return np.asarray(grid.of_points(held_together(grid, names)))

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
+from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray
 from flatgrasp_cli.scene.parting.view_grid import Step, ViewGrid, neighbours, shifted
 
 REACH_CELLS = 2
@@ -31,6 +32,24 @@ def seam_cells(grid: ViewGrid, normals: FloatArray, has_normal: BoolArray, seam_
         length = np.maximum(np.sqrt((way**2).sum(axis=0)), 1e-9)
         sharpest = np.where(both, np.minimum(sharpest, (turn * way).sum(axis=0) / length), sharpest)
     return np.asarray(sharpest < -2 * np.sin(np.radians(0.5 * seam_deg)))
+
+
+def color_seam_cells(grid: ViewGrid, colors: ByteArray, least: float) -> BoolArray:
+    """Cells (rows, columns) beside which a smooth surface has `colors` (n, 3) that differ by more than `least`.
+
+    They are told by a and b of CIE Lab, without the lightness: shadows make no seams.
+    """
+    lab = cv2.cvtColor((colors[None] / 255.0).astype(np.float32), cv2.COLOR_RGB2Lab)[0]
+    count = np.maximum(np.bincount(grid.cell, minlength=grid.known.size), 1)
+    a, b = (np.bincount(grid.cell, weights=lab[:, k], minlength=count.size) / count for k in (1, 2))
+    hue = np.stack([a, b]).reshape(2, *grid.known.shape)
+    found = np.zeros(grid.known.shape, dtype=np.bool_)
+    for line in LINES:
+        ahead = (REACH_CELLS * line[0], REACH_CELLS * line[1])
+        back = (-ahead[0], -ahead[1])
+        both = grid.known & grid.smooth_to(ahead) & grid.smooth_to(back)
+        found |= both & (np.hypot(*(shifted(hue, ahead) - shifted(hue, back))) > least)
+    return found
 
 
 def surface_normals(grid: ViewGrid) -> tuple[FloatArray, BoolArray]:
