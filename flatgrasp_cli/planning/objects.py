@@ -48,7 +48,8 @@ def _aslant(search: Search, cloud: ObjectCloud, best: Answer) -> Answer:
     The tilts are tried one after the other, until one of them leaves grasps. If none does, it is the latter that says
     why: people look for that first.
     """
-    tried = cloud.in_container or search.settings.approach.tried == "always"
+    blocked = best.rejection is not None and best.rejection.cause == "palm"
+    tried = cloud.in_container or blocked or search.settings.approach.tried == "always"
     if not tried or (best.grasps is not None and not _is_close(best, search.settings)):
         return best
     for directions in ways(cloud, search.settings):

@@ -45,8 +45,8 @@ class DepthSettings(Profile):
 class ApproachSettings(Profile):
     """Beyond the paper: from where the hand comes to what it cannot grasp from straight above."""
 
-    tried: Literal["in_container", "always"]
-    """Where hands that come aslant are tried: among the walls of a container, or everywhere."""
+    tried: Literal["needed", "always"]
+    """Where hands that come aslant are tried: in a container and where the palm alone is in the way, or everywhere."""
     tilts_deg: tuple[Annotated[float, Field(ge=5, le=85)], ...]
     """How far from straight down, degrees: each only if those before it leave nothing. Empty: straight down alone."""
     around: Annotated[int, Field(ge=1, le=36)]

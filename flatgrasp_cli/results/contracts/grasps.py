@@ -45,7 +45,9 @@ class MetricsPart(Part):
     cost_m: Number
     """What the grasps are ranked by, metres: gravity distance, and what the settings add to it."""
     tip_height_m: Number | None
-    """How high over the support plane the fingertips end, metres; null for an object seen alone."""
+    """How high over the support plane the fingertips end, metres; of a hand that does not come straight down
+    (`tilt_deg`), how high along its approach over the deepest point that was seen of the object. Null for an object
+    seen alone."""
     grip_m: Number | None
     """How much of the object's height the pads cover, metres; null for an object seen alone."""
     unseen_m: Number | None

@@ -38,7 +38,8 @@ class SilhouettePart(Part):
     loops: list[list[Vector2]]
     """Vertices [u, v] in metres: of the outer loop, counter-clockwise, then of the holes, clockwise."""
     level_m: Number | None
-    """What lies higher over the support plane than this is outlined, metres; null for an object seen alone."""
+    """What lies higher than this is outlined, metres: over the support plane, or as `tip_height_m` has it for a hand
+    that does not come straight down. Null for an object seen alone."""
     alpha_m: Number
     """Radius α of the hull's empty discs, metres."""
     coverage: Number

@@ -48,6 +48,10 @@ def _level(item: ObjectPlan) -> str:
     return " in its main plane" if level is None else f": silhouette of what is higher than {MM * level:.0f} mm"
 
 
+ASLANT_DEG = 0.5
+"""A hand that is tilted by less comes straight down, but for rounding."""
+
+
 def _caption(plan: Plan, normal: FloatArray) -> list[tuple[str, str]]:
     """Rows of a word and what it says."""
     camera = ("Camera", sensor_in_words(plan, middle_of(plan), normal))
@@ -83,8 +87,11 @@ def _without_grasp(plan: Plan) -> list[tuple[str, str]]:
 def _where(plan: Plan, best: Grasp) -> str:
     approach = in_numbers(axes_from_quaternion(best.orientation)[2])
     rows = [f"the fingertips end at {_place(best.position)} in {plan.cloud.frame_name!r}, coming along {approach}"]
+    if best.tilt_deg > ASLANT_DEG:
+        rows.append(f"{best.tilt_deg:.0f}° from straight down")
     if best.tip_height_m is not None and best.grip_m is not None:
-        rows.append(f"{MM * best.tip_height_m:.1f} mm above the plane, where the pads cover {MM * best.grip_m:.1f} mm")
+        over = "over the deepest that was seen of the object" if best.tilt_deg > ASLANT_DEG else "above the plane"
+        rows.append(f"{MM * best.tip_height_m:.1f} mm {over}, where the pads cover {MM * best.grip_m:.1f} mm")
     if best.way is not None:
         rows.append(f"the flange is then at {_place(best.way.flange.pose.position)}")
     return "; ".join(rows)
