@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import SupportPlane
 from flatgrasp_cli.scene.clusters import PLANE_SIGMAS, Clusters
@@ -34,20 +34,22 @@ def without_faint(points: FloatArray, clusters: Clusters, plane: SupportPlane, v
     sample = points[spread_indices(len(points), SAMPLE)]
     flat = sample[np.abs(plane.heights(sample)) < PLANE_SIGMAS * plane.noise_m]
     usual_m = float(np.median(np.linalg.norm((flat if len(flat) else sample) - viewpoint, axis=1)))
-    pixel = clusters.floor.spacing_m / usual_m
+    reach = GHOST_PX * clusters.floor.spacing_m / usual_m
 
-    def is_sure(own: FloatArray) -> bool:
+    def is_faint(own: FloatArray) -> bool:
         share = float(np.linalg.norm(own.mean(axis=0) - viewpoint)) / usual_m
         height_m = float(plane.heights(own).mean())
         if height_m < SURE_SIGMAS * plane.noise_m * share**2:
+            return True
+        if height_m > GHOST_M:
             return False
-        standing = np.concatenate([*clusters.members, clusters.clutter])
-        return height_m > GHOST_M or _at_edge_share(own, points[standing], viewpoint, GHOST_PX * pixel) < GHOST_SHARE
+        standing = points[np.concatenate([*clusters.members, clusters.clutter])]
+        return _at_edge_share(own, standing, viewpoint, reach) >= GHOST_SHARE
 
-    sure = [is_sure(points[rows]) for rows in clusters.members]
-    faint = [rows for rows, known in zip(clusters.members, sure, strict=True) if not known]
-    members = tuple(rows for rows, known in zip(clusters.members, sure, strict=True) if known)
-    return replace(clusters, members=members, clutter=np.concatenate([clusters.clutter, *faint]))
+    sure, faint = list[IntArray](), [clusters.clutter]
+    for rows in clusters.members:
+        (faint if is_faint(points[rows]) else sure).append(rows)
+    return replace(clusters, members=tuple(sure), clutter=np.concatenate(faint))
 
 
 def _at_edge_share(own: FloatArray, standing: FloatArray, viewpoint: FloatArray, reach: float) -> float:

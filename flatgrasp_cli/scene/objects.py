@@ -44,7 +44,6 @@ def objects_of(
         replace(
             around.object(index, place),
             group=groups[index],
-            in_container=len(clusters.container) > 0,
             cut_off=cut[index],
             at_edge=at_edge[index],
             supports=carried[index],
@@ -57,7 +56,8 @@ def objects_of(
         place = np.concatenate([places[index] for index in parts])
         if np.linalg.norm(np.ptp(standing[place], axis=0)) <= LONGEST_WHOLE_M:
             whole = around.object(parts[0], place)
-            wholes.append(replace(whole, group=group, cut_off=any(cut[index] for index in parts)))
+            cut_any, edge_any = (any(flags[index] for index in parts) for flags in (cut, at_edge))
+            wholes.append(replace(whole, group=group, cut_off=cut_any, at_edge=edge_any))
     return objects, tuple(wholes)
 
 
@@ -68,6 +68,7 @@ class _Around:
         self.standing, self.columns = standing, np.ascontiguousarray(standing.T)
         self.sensor, self.plane, self.floor = sensor, plane, clusters.floor
         self.seen_from_above = looks_down(sensor, plane.normal, plane.offset_m)
+        self.in_container = len(clusters.container) > 0
 
     def object(self, index: int, mine: IntArray) -> ObjectCloud:
         """The object number `index` that has the points `mine` (k,), with what stands near it."""
@@ -86,4 +87,5 @@ class _Around:
             support=self.plane,
             obstacles=self.standing[np.flatnonzero(near)],
             floor=self.floor,
+            in_container=self.in_container,
         )

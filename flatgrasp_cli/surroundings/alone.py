@@ -12,6 +12,7 @@ from flatgrasp_cli.geometry.polygon import in_frames
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates, Silhouette
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import HandSettings, PlannerSettings
+from flatgrasp_cli.surroundings.below import breadth_m
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +82,7 @@ def palm_intrusion(silhouette: Silhouette, grasps: GraspCandidates, gripper: Gri
     The fingertips' ends lie in the main plane, so only points higher than the fingers are long can meet the palm.
     """
     intrusion = np.zeros(len(grasps))
-    along = 0.5 * np.maximum(gripper.palm_m, grasps.opening + 2 * gripper.root_m)
+    along = 0.5 * breadth_m(gripper, grasps.opening)
     tall = silhouette.heights > gripper.finger_length_m
     if not tall.any():
         return intrusion

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -18,8 +19,8 @@ from flatgrasp_cli.geometry.polygon import left_normal
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates, ObjectCloud, Silhouette
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
+from flatgrasp_cli.surroundings.below import breadth_m
 from flatgrasp_cli.surroundings.on_support import OnSupport
-from flatgrasp_cli.surroundings.sight import HOLE_SHARE, hidden_share
 
 OVERHEAD_SHARE = 0.1
 """A sensor nearer than this to straight above, as a share of its distance, is on no side."""
@@ -37,13 +38,7 @@ ON_THE_WAY = (0.05, 0.5, 1.0)
 class Aslant(OnSupport):
     """What the method asks of an object that the hand comes to aslant."""
 
-    def sides(self, fingers: FingerCandidates, funnel: Funnel, /) -> FingerCandidates:
-        """The candidates before upright sides at which space was seen to be free."""
-        if self.view.image is not None:
-            seen = hidden_share(fingers, self.view, self.level_m) <= HOLE_SHARE
-            fingers = fingers.select(seen)
-            funnel.count("open_sides", len(fingers), "no side of the object was seen from there")
-        return OnSupport.sides(self, fingers, funnel)
+    seen_only: ClassVar[bool] = True
 
     def approached(
         self,
@@ -94,7 +89,7 @@ class Aslant(OnSupport):
 
     def _in_palm(self, grasps: GraspCandidates, gripper: Gripper) -> FloatArray:
         """Places (k, p, 3) at the palm's rim, at the grasp and before it."""
-        half = 0.5 * np.maximum(gripper.palm_m, grasps.opening + 2 * gripper.root_m)
+        half = 0.5 * breadth_m(gripper, grasps.opening)
         across = 0.5 * gripper.hand_width_m * left_normal(grasps.axis)
         base = grasps.tip + gripper.finger_length_m
         places = []

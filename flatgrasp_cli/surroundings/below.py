@@ -61,6 +61,11 @@ def under_fingers(
     return found, hidden
 
 
+def breadth_m(gripper: Gripper, openings: FloatArray) -> FloatArray:
+    """The hand's size along the closing axis above its fingers (…), metres: the palm's or that of their roots."""
+    return np.maximum(gripper.palm_m, openings + 2 * gripper.root_m)
+
+
 def palm_room(
     grasps: GraspCandidates, chart: HeightMap, headroom: float, gripper: Gripper, settings: HandSettings
 ) -> FloatArray:
@@ -95,7 +100,7 @@ def under_palm(
     highest, middle, axis = np.full(openings.shape, UNSEEN), grasps.center, grasps.axis
     beside_m += 0.5 * chart.cell_m
     across = 0.5 * gripper.hand_width_m + beside_m
-    along = 0.5 * np.maximum(gripper.palm_m, openings + 2 * gripper.root_m) + beside_m
+    along = 0.5 * breadth_m(gripper, openings) + beside_m
     tall = chart.higher_than(least_m)
     x, y, _ = tall.T
     reach = across + float(along.max())

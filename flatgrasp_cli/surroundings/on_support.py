@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -18,7 +19,12 @@ from flatgrasp_cli.surroundings.walls import upright
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OnSupport(Relief):
-    """What the method asks of an object that stands on something and among others."""
+    """What the method asks of an object that stands on something and among others.
+
+    With `seen_only` fingers stand only where space was seen to be free, and otherwise in the object's shadow, too.
+    """
+
+    seen_only: ClassVar[bool] = False
 
     def sides(self, fingers: FingerCandidates, funnel: Funnel, /) -> FingerCandidates:
         """The candidates before upright sides, except those in holes that the sensor did not see through."""
@@ -29,7 +35,9 @@ class OnSupport(Relief):
         if self.view.image is None:
             fingers = replace(fingers, hidden=np.zeros(len(fingers)), seen=np.ones(len(fingers), dtype=np.bool_))
         else:
-            fingers = seen_sides(fingers, self.maps, self.view, self.view.image.viewpoint, self.level_m)
+            fingers = seen_sides(
+                fingers, self.maps, self.view, self.view.image.viewpoint, self.level_m, seen_only=self.seen_only
+            )
         funnel.count("open_sides", len(fingers), "the object's only side is that of a hole that was not seen through")
         return fingers
 
