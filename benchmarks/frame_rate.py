@@ -64,7 +64,7 @@ STAGES = {
         (pipeline, "flat"),
     ),
     "operability, depth": ((pipeline, "operable"), (OnSupport, "approached")),
-    "ranking": ((pipeline, "grasp_cost"), (pipeline, "best_first"), (lifting, "_lifted")),
+    "ranking": ((pipeline, "best_first"), (lifting, "_lifted")),
     "certificates": ((answers, "certified"),),
 }
 

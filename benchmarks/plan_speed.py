@@ -41,7 +41,7 @@ SECTIONS: dict[str, list[tuple[ModuleType | type, str]]] = {
         (objects, "places"),
         *((of, name) for of in (Alone, OnSupport) for name in ("sides", "of_known_thickness", "approached")),
     ],
-    "C": [(pipeline, "grasp_cost"), (pipeline, "best_first")],
+    "C": [(pipeline, "best_first")],
 }
 """The calls of each section of the method."""
 FRAME_POINTS, OBJECT_POINTS = 300_000, 10_000

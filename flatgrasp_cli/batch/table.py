@@ -20,7 +20,7 @@ TEXT = ("input", "topic", "frame_id", "status", "reason")
 WHOLE = ("frame", "stamp_ns", "object", "points")
 REAL = (
     *("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw", "width_m", "opening_m"),
-    *("force_balance_deg", "torque_arm_m", "required_friction", "gravity_distance_m", "cost_m", "total_ms"),
+    *("force_balance_deg", "torque_arm_m", "required_friction", "gravity_distance_m", "probability", "total_ms"),
 )
 COLUMNS = (
     *("input", "frame", "stamp_ns", "topic", "frame_id", "object", "points", "status", "reason"),
@@ -60,6 +60,7 @@ def _object_values(thing: dict[str, Any]) -> Row:
         values |= dict(zip(("qx", "qy", "qz", "qw"), orientation, strict=True))
         values |= {key: thing[key] for key in ("width_m", "opening_m")}
         values |= {key: value for key, value in thing["metrics"].items() if key in REAL}
+        values["probability"] = (thing["success"] or {}).get("probability")
     return values
 
 

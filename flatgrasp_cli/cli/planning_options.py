@@ -48,7 +48,11 @@ METHOD_OPTIONS = (
     ),
 )
 CAGE_OPTIONS = (
-    option("--prefer", type=click.Choice(["cost", "cage"]), help="Best first by cost, or by what a cage forgives."),
+    option(
+        "--prefer",
+        type=click.Choice(["success", "gravity_distance", "cage"]),
+        help="Best first: what most probably holds, the paper's choice, or what a cage forgives.",
+    ),
     option("--require", type=click.Choice(["cage"]), help="Keep only grasps that cage the object."),
     option("--closing", type=click.Choice(["inward", "outward"]), help="Which way the fingers close in a cage."),
 )
@@ -178,7 +182,7 @@ def job_of(
         "select": select if select is None else f"scene.select={_list(select)}",
         "up": up if up is None else f"scene.up={_list(up)}",
         "crop": crop if crop is None else f"scene.crop={_list(crop)}",
-        "prefer": f"caging.prefer={prefer}" if prefer else None,
+        "prefer": f"ranking.prefer={prefer}" if prefer else None,
         "closing": f"caging.closing={closing}" if closing else None,
         "require": "caging.require=true" if require else None,
     }

@@ -65,7 +65,7 @@ def point_finger_grasps(silhouette: Silhouette, center: FloatArray, settings: Ca
         opening=np.array([one.width_m if one.basin_m is None else one.basin_m for one in found]),
         gravity_distance=np.abs(cross(axis, center - middle)),
         inside_share=share_inside(silhouette.loops, contacts[:, 0], contacts[:, 1]),
-        cost=np.array([-min(one.depth_m, one.width_m) for one in found]),
+        merit=np.array([min(one.depth_m, one.width_m) for one in found]),
         contacts=contacts,
         variance=none,
         arc_ratio=np.ones(len(found)),

@@ -3,7 +3,7 @@
 Lengths are metres, angles in names ending `_deg` degrees. "Plane" coordinates (…, 2) are those of a silhouette's frame.
 """
 
-from flatgrasp_cli.model.candidates import FingerCandidates, GraspCandidates
+from flatgrasp_cli.model.candidates import FingerCandidates, GraspCandidates, OpenHands
 from flatgrasp_cli.model.clouds import (
     SENSOR_FROM_TF,
     UNNAMED_FRAME,
@@ -15,7 +15,7 @@ from flatgrasp_cli.model.clouds import (
     Sensor,
     Source,
 )
-from flatgrasp_cli.model.grasps import Cage, Closure, Grasp, Reach, Tolerance
+from flatgrasp_cli.model.grasps import Cage, Closure, Grasp, Reach, Success, Tolerance
 from flatgrasp_cli.model.plans import ObjectPlan, Rejection, Stage, Trace
 from flatgrasp_cli.model.poses import Pose, Poses, Way
 from flatgrasp_cli.model.scenes import Floor, ObjectCloud, Scene, SupportPlane
@@ -38,6 +38,7 @@ __all__ = [
     "KnownFrom",
     "ObjectCloud",
     "ObjectPlan",
+    "OpenHands",
     "OrientedBox",
     "PlaneShape",
     "Pose",
@@ -50,6 +51,7 @@ __all__ = [
     "Source",
     "Stage",
     "StepPoints",
+    "Success",
     "SupportPlane",
     "Tolerance",
     "Trace",

@@ -77,7 +77,15 @@ class GraspCandidates:
     alone, `unseen` how much of the fingers' way, both sides together, no ray reached; `touch` is the height at which
     both sides were seen, that of the contacts. Of an object seen alone grip and unseen are not known: NaN.
 
-    C: `gravity_distance`, the `inside_share` of the grasping line that lies in the object, and the `cost` in metres.
+    `hidden` (p, 2) is how far the object probably goes on behind each pad's side, out of sight, and `lean` (p,) the
+    tangent of the angle by which both walls together lean away from upright, half and half.
+
+    C: `gravity_distance`, and the `inside_share` of the grasping line that lies in the object.
+
+    `success` (p, 3) are the chances that the open hand comes to stand there, that closing it then holds the object, and
+    that it is lifted then; `causes` (p, c) the chances of what it fails by, and `probability` (p,) that it holds: NaN
+    where that was only estimated. Grasps of a larger `merit` (p,) are better: that is their probability or, if the
+    settings want it so, how little their gravity distance is; for point fingers the depth of their cage.
 
     Of the final grasps: `contacts` (p, 2, 2), the middles of what the pads touch, and `touched_m` (p, 2), how long that
     is; `variance` and `arc_ratio` of the two finger candidates.
@@ -100,9 +108,14 @@ class GraspCandidates:
     palm_room: FloatArray = field(default_factory=_unfilled)
     unseen: FloatArray = field(default_factory=_unfilled)
     touch: FloatArray = field(default_factory=_unfilled)
+    hidden: FloatArray = field(default_factory=_unfilled)
+    lean: FloatArray = field(default_factory=_unfilled)
     gravity_distance: FloatArray = field(default_factory=_unfilled)
     inside_share: FloatArray = field(default_factory=_unfilled)
-    cost: FloatArray = field(default_factory=_unfilled)
+    merit: FloatArray = field(default_factory=_unfilled)
+    success: FloatArray = field(default_factory=_unfilled)
+    causes: FloatArray = field(default_factory=_unfilled)
+    probability: FloatArray = field(default_factory=_unfilled)
     contacts: FloatArray = field(default_factory=_unfilled)
     touched_m: FloatArray = field(default_factory=_unfilled)
     variance: FloatArray = field(default_factory=_unfilled)
@@ -131,6 +144,34 @@ class GraspCandidates:
         """The first `count` pairs, or all of them if there are fewer."""
         return self.select(np.arange(min(count, len(self))))
 
+    def followed_by(self, others: GraspCandidates) -> GraspCandidates:
+        """The pairs and then `others`, whose missing numbers are NaN."""
+        columns = {}
+        for name in (column.name for column in fields(self)):
+            mine, theirs = getattr(self, name), getattr(others, name)
+            if len(mine) and not len(theirs):
+                theirs = np.full((len(others), *mine.shape[1:]), np.nan)
+            columns[name] = np.concatenate([mine, theirs])
+        return GraspCandidates(**columns)
+
     def having(self, **columns: Any) -> GraspCandidates:
         """The same pairs with these columns filled in."""
         return replace(self, **columns)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OpenHands:
+    """p open hands in the plane, where they really come to stand.
+
+    `center` (p, 2) lies midway between the pads, the hands close along the unit `axis` (p, 2), open by `opening` (p,),
+    and their fingertips end at the heights `tip` (p,).
+    """
+
+    center: FloatArray
+    axis: FloatArray
+    opening: FloatArray
+    tip: FloatArray
+
+    def __len__(self) -> int:
+        """Number of hands."""
+        return len(self.opening)

@@ -89,6 +89,22 @@ class Cage:
     tolerance: Tolerance | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class Success:
+    """How probable it is that a grasp holds, and what it fails by.
+
+    `clear` is the chance that the open hand comes to stand where it can close, `closes` that closing it there holds the
+    object, and `lifts` that the object then comes up with it: `probability` is their product. `causes` has the chances
+    of what else happens, by name: with `probability` they sum to 1.
+    """
+
+    probability: float
+    clear: float
+    closes: float
+    lifts: float
+    causes: dict[str, float]
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Grasp:
     """One grasp, best first by `rank` from 1.
@@ -114,11 +130,11 @@ class Grasp:
     gravity_distance_m: float
     inside_share: float
     arc_ratio: float
-    cost_m: float
     way: Way = field(repr=False)
     tip_height_m: float | None = None
     grip_m: float | None = None
     unseen_m: float | None = None
+    success: Success | None = None
     cage: Cage | None = None
     closure: Closure | None = None
     reach: Reach | None = None

@@ -76,12 +76,14 @@ class GravityCenter:
 class PlaneShape:
     """An object as the method sees it in the plane: its bounding box, its silhouette and its centre of gravity.
 
-    Above a slice's level `silhouette` is that of the slice, box and centre of gravity are still the whole object's.
+    Above a slice's level `silhouette` is that of the slice; box, centre of gravity and `volume_m3`, what lies under the
+    surface that was seen, are still the whole object's.
     """
 
     box: OrientedBox
     silhouette: Silhouette
     gravity_center: GravityCenter
+    volume_m3: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)

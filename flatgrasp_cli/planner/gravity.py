@@ -1,11 +1,11 @@
-"""§III.C: gravity, and the order of the grasps."""
+"""§III.C: gravity."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
-from flatgrasp_cli.geometry.polygon import area_centroid, cross, share_inside
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.polygon import area_centroid, cross, share_inside, signed_area
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates, GravityCenter, PlaneShape, Silhouette
 from flatgrasp_cli.profiles.settings import GravitySettings
 
@@ -35,6 +35,8 @@ def gravity_distance(fingers: FingerCandidates, grasps: GraspCandidates, center:
     return np.abs(cross(along, center - contact))
 
 
-def best_first(grasps: GraspCandidates) -> IntArray:
-    """Order (p,) of the pairs by cost; equal ones by required friction, then by index."""
-    return np.lexsort((grasps.j, grasps.i, grasps.required_friction, grasps.cost))
+def volume_m3(whole: Silhouette) -> float:
+    """What lies under the visible surface, cubic metres: the silhouette's area times the mean height of its points."""
+    floor = min(0.0, float(whole.heights.min(initial=0.0)))
+    area = sum(signed_area(loop) for loop in whole.loops)
+    return max(area * float(np.mean(whole.heights - floor)), 0.0) if len(whole.heights) else 0.0

@@ -27,8 +27,11 @@ def operable(
         pads, room = swept_fit(silhouette, fingers, grasps, gripper, settings.contact_tolerance_m)
     else:
         pads, room = eq2_fit(silhouette, grasps, gripper, settings.contact_tolerance_m)
-    pads, room = _beyond_hidden_sides(fingers, grasps, pads, room, gripper.max_opening_m - 2 * settings.clearance_m)
-    grasps = grasps.having(pads=np.ascontiguousarray(pads.T), room=np.ascontiguousarray(room.T))
+    hidden = _spanned_beyond(fingers, grasps, pads, gripper.max_opening_m - 2 * settings.clearance_m)
+    pads, room = pads + hidden, np.maximum(room - hidden, 0.0)
+    grasps = grasps.having(
+        pads=np.ascontiguousarray(pads.T), room=np.ascontiguousarray(room.T), hidden=np.ascontiguousarray(hidden.T)
+    )
     need = gripper.finger_thickness_m + settings.clearance_m
     # B.3 judged by each candidate's own stretch of boundary; the exact width may still differ.
     width = grasps.width
@@ -43,14 +46,13 @@ def operable(
     return grasps.select(funnel.at_most("operability", grasps, shortage, 0.0, miss))
 
 
-def _beyond_hidden_sides(
-    fingers: FingerCandidates, grasps: GraspCandidates, pads: FloatArray, room: FloatArray, widest_m: float
-) -> tuple[FloatArray, FloatArray]:
-    """Pads and room (2, p), each pad as far out as the object probably reaches unseen, if the hand opens so far."""
+def _spanned_beyond(
+    fingers: FingerCandidates, grasps: GraspCandidates, pads: FloatArray, widest_m: float
+) -> FloatArray:
+    """How far (2, p) beyond its own each pad stands, as the object probably goes on there, if the hand opens so far."""
     hidden = np.stack([fingers.hidden[grasps.i], fingers.hidden[grasps.j]])
     spare, total = np.maximum(widest_m - pads.sum(axis=0), 0.0), hidden.sum(axis=0)
-    hidden = hidden * np.minimum(1.0, spare / np.where(total > 0, total, 1.0))
-    return pads + hidden, np.maximum(room - hidden, 0.0)
+    return np.asarray(hidden * np.minimum(1.0, spare / np.where(total > 0, total, 1.0)))
 
 
 def swept_fit(

@@ -10,12 +10,12 @@ from flatgrasp_cli.planner.balance import force_balance, force_balanced, torque_
 from flatgrasp_cli.planner.contacts import touching
 from flatgrasp_cli.planner.fingers import finger_candidates, inward_directions, step_points
 from flatgrasp_cli.planner.grasping_range import closing_axes, in_range, on_pads
-from flatgrasp_cli.planner.gravity import best_first, weighed
+from flatgrasp_cli.planner.gravity import weighed
 from flatgrasp_cli.planner.operability import operable
 from flatgrasp_cli.planner.variance import flat
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
-from flatgrasp_cli.ranking import grasp_cost
+from flatgrasp_cli.ranking import Situation, best_first
 from flatgrasp_cli.surroundings.interface import Surroundings
 
 
@@ -52,8 +52,7 @@ def section_three(
 
     # C gravity, and the final grasp
     grasps = weighed(fingers, grasps, shape)
-    grasps = grasps.having(cost=grasp_cost(fingers, grasps, shape, settings.gravity) + surroundings.cost(grasps))
-    grasps = grasps.select(best_first(grasps))
+    grasps = best_first(grasps, Situation(shape, surroundings, gripper, settings))
     trace.ranked, trace.gravity_distance_m = np.column_stack([grasps.i, grasps.j]), grasps.gravity_distance
     return touching(grasps.first(top), fingers, gripper, settings.hand)
 

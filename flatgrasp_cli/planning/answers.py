@@ -10,8 +10,8 @@ import numpy as np
 from flatgrasp_cli.funnel import Funnel, NothingLeft
 from flatgrasp_cli.methods import METHODS
 from flatgrasp_cli.model import (
+    Cage,
     GraspCandidates,
-    GravityCenter,
     OrientedBox,
     PlaneShape,
     Rejection,
@@ -19,12 +19,13 @@ from flatgrasp_cli.model import (
     Stage,
     Trace,
 )
-from flatgrasp_cli.planner.gravity import gravity_center
+from flatgrasp_cli.planner.gravity import gravity_center, volume_m3
 from flatgrasp_cli.planner.silhouette import silhouette_of
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.proof import Certificates, certified, forgiven_m, is_caged, why_not
-from flatgrasp_cli.surroundings import Place
+from flatgrasp_cli.ranking import TIE, Situation
+from flatgrasp_cli.surroundings import Place, Surroundings
 
 CONSIDERED = 2000
 """How many of an object's best grasps those to be listed are chosen from: all of them as a rule."""
@@ -43,6 +44,7 @@ class Answer:
     box: OrientedBox | None = None
     level_m: float | None = None
     shape: PlaneShape | None = None
+    surroundings: Surroundings | None = None
     grasps: GraspCandidates | None = None
     certificates: Certificates | None = None
 
@@ -65,47 +67,42 @@ class Search:
 
     @property
     def _cages_decide(self) -> bool:
-        return self.settings.caging.require or self.settings.caging.prefer == "cage"
+        return self.settings.caging.require or self.settings.ranking.prefer == "cage"
 
     def whole(self, place: Place, slices: Iterable[Place]) -> Answer:
         """The best answer for one direction: of the whole, or of a slice, about the gravity centre of the whole."""
         silhouette = _silhouette(place, self.settings)
-        center = gravity_center(silhouette, self.settings.gravity)
-        best = self._in(place, silhouette, center)
+        center, volume = gravity_center(silhouette, self.settings.gravity), volume_m3(silhouette)
+        best = self._in(place, PlaneShape(place.box, silhouette, center, volume))
         for part in slices:
-            if self._may_be_better(best, part):
-                best = self.better(best, self._in(part, _silhouette(part, self.settings), center))
+            if not self._is_sure(best):
+                shape = PlaneShape(part.box, _silhouette(part, self.settings), center, volume)
+                best = self.better(best, self._in(part, shape))
         return best
 
     def better(self, one: Answer, other: Answer) -> Answer:
         """The better one of two answers."""
         return min(one, other, key=self._order)
 
-    def _in(self, place: Place, silhouette: Silhouette, center: GravityCenter) -> Answer:
+    def _in(self, place: Place, shape: PlaneShape) -> Answer:
         """What the method finds in a place, in the order that the settings prefer."""
         considered = self.settings.caging.considered if self._cages_decide else CONSIDERED
-        shape = PlaneShape(place.box, silhouette, center)
         found = _answer(place, shape, self.gripper, self.settings, considered)
         return _by_certificates(found, self.gripper, self.settings) if self._cages_decide else found
 
-    def _may_be_better(self, best: Answer, part: Place) -> bool:
-        """Whether a grasp of a slice may be better than the best one that there is.
-
-        No term of the cost is negative and one grows with the fingertips' height, so a slice that stands high need not
-        be planned once a lower one has a grasp that costs less than its height alone.
-        """
+    def _is_sure(self, best: Answer) -> bool:
+        """Whether no grasp of a higher slice can be better than the `best` one, which holds but for a tie."""
         if best.grasps is None or self._cages_decide or self.settings.method == "allen":
-            return True
-        height_m = (part.surroundings.level_m or 0.0) - self.settings.depth.slice_step_m
-        return bool(self.settings.gravity.level_weight * height_m <= best.grasps.cost[0])
+            return False
+        return self.settings.ranking.prefer == "success" and bool(best.grasps.merit[0] >= 1 - TIE)
 
-    def _order(self, answer: Answer) -> tuple[bool, bool, float, float, int]:
-        """By the best grasp's cage or cost; last those without, the one first that came furthest."""
+    def _order(self, answer: Answer) -> tuple[bool, bool, float, float, float]:
+        """By the best grasp's cage, or how probably it holds; last those without, the one first that came furthest."""
         if answer.grasps is None:
-            return (True, True, np.inf, np.inf, -len(answer.funnel))
-        if self.settings.caging.prefer == "cage":
-            return (False, *_surest_first(answer.grasps, answer.certificates, 0), 0)
-        return (False, False, 0.0, float(answer.grasps.cost[0]), 0)
+            return (True, True, 0.0, 0.0, -float(len(answer.funnel)))
+        if self.settings.ranking.prefer == "cage":
+            return (False, *_surest_first(answer.grasps, answer.certificates, 0), 0.0)
+        return (False, False, -float(answer.grasps.merit[0]), float(answer.grasps.gravity_distance[0]), 0.0)
 
 
 def _silhouette(place: Place, settings: PlannerSettings) -> Silhouette:
@@ -130,14 +127,15 @@ def _answer(place: Place, shape: PlaneShape, gripper: Gripper, settings: Planner
         box=shape.box,
         level_m=place.surroundings.level_m,
         shape=shape if known else None,
+        surroundings=place.surroundings,
         grasps=grasps,
     )
 
 
 def _surest_first(grasps: GraspCandidates, certificates: Certificates | None, k: int) -> tuple[bool, float, float]:
-    """Grasps with a cage first, those before others that forgive the larger miss; then the cheaper one."""
+    """Grasps with a cage first, those before others that forgive the larger miss; then nearer the centre of gravity."""
     cage = None if certificates is None else certificates.cages[k]
-    return (not is_caged(cage), -forgiven_m(cage), float(grasps.cost[k]))
+    return (not is_caged(cage), -forgiven_m(cage), float(grasps.gravity_distance[k]))
 
 
 def _by_certificates(answer: Answer, gripper: Gripper, settings: PlannerSettings) -> Answer:
@@ -156,7 +154,7 @@ def _by_certificates(answer: Answer, gripper: Gripper, settings: PlannerSettings
         if not kept:
             reason = f"none of the {len(grasps)} best grasps is a cage: {why_not(cages[0])}"
             return replace(answer, grasps=None, certificates=None, funnel=funnel, rejection=Rejection("cage", reason))
-    if settings.caging.prefer == "cage":
+    if settings.ranking.prefer == "cage":
         kept.sort(key=lambda k: _surest_first(grasps, answer.certificates, k))
     return replace(answer.of(kept), funnel=funnel)
 
@@ -167,3 +165,16 @@ def proved(answer: Answer, gripper: Gripper, settings: PlannerSettings) -> Answe
         return answer
     grasps, certificates = certified(answer.grasps, answer.shape.silhouette, gripper, settings)
     return replace(answer, grasps=grasps, certificates=certificates)
+
+
+def assessed(answer: Answer, gripper: Gripper, settings: PlannerSettings) -> Answer:
+    """The answer with how probable it is that each of its grasps holds, where that can be told: the hand is ours."""
+    if answer.grasps is None or answer.shape is None or answer.surroundings is None or settings.method == "allen":
+        return answer
+    tolerances = [cage.tolerance if is_caged(cage) else None for cage in _cages(answer)]
+    situation = Situation(answer.shape, answer.surroundings, gripper, settings)
+    return replace(answer, grasps=situation.tried(answer.grasps, tolerances))
+
+
+def _cages(answer: Answer) -> tuple[Cage, ...]:
+    return answer.certificates.cages if answer.certificates else ()

@@ -18,14 +18,15 @@ from flatgrasp_cli.model import (
     Reach,
     Rejection,
     Stage,
+    Success,
     SupportPlane,
 )
 from flatgrasp_cli.planner.silhouette import without_strays
-from flatgrasp_cli.planning.answers import Answer, proved
+from flatgrasp_cli.planning.answers import Answer, assessed, proved
 from flatgrasp_cli.planning.objects import answer_for
-from flatgrasp_cli.planning.variety import differing
 from flatgrasp_cli.profiles import Gripper, PlannerSettings, Robot
 from flatgrasp_cli.proof import Certificates
+from flatgrasp_cli.ranking import CAUSES, by_probability, differing
 from flatgrasp_cli.robot import Motion, Plane, flange_at, reach, way_to
 
 REACH_CANDIDATES = 500
@@ -64,13 +65,33 @@ def plan_object(
     listed = differing(answer.grasps, (k for k in rows if not reaches or reaches[k].ok), settings.variety, top)
     refused = differing(answer.grasps, (k for k in rows if reaches and not reaches[k].ok), settings.variety, top)
     chosen = [*listed, *refused]
-    found = _lifted(proved(answer.of(chosen), gripper, settings), plane, gripper, motion)
+    final = assessed(proved(answer.of(chosen), gripper, settings), gripper, settings)
+    found = _lifted(final, plane, gripper, motion)
+    order = [*_order(final, len(listed), settings), *range(len(listed), len(chosen))]
     ranks = [*range(1, len(listed) + 1), *(k + 1 for k in refused)]
     grasps = [
-        found.record(n, rank=rank, reached=reaches[k] if reaches else None)
-        for n, (k, rank) in enumerate(zip(chosen, ranks, strict=True))
+        found.record(n, rank=rank, reached=reaches[chosen[n]] if reaches else None)
+        for n, rank in zip(order, ranks, strict=True)
     ]
     return replace(item, grasps=tuple(grasps[: len(listed)]), refused=tuple(grasps[len(listed) :]))
+
+
+def _order(final: Answer, count: int, settings: PlannerSettings) -> list[int]:
+    """The order of the first `count` grasps of an answer: as they are, unless what most probably holds comes first."""
+    grasps = final.grasps
+    if grasps is None or len(grasps.probability) == 0 or settings.ranking.prefer != "success":
+        return list(range(count))
+    listed = grasps.first(count)
+    return [int(k) for k in by_probability(listed.probability, listed)]
+
+
+def _success(grasps: GraspCandidates, k: int) -> Success | None:
+    """What was found out about row `k`; None for a method that knows no hand."""
+    if len(grasps.probability) == 0:
+        return None
+    clear, closes, lifts = grasps.success[k].tolist()
+    causes = dict(zip(CAUSES, grasps.causes[k].tolist(), strict=True))
+    return Success(float(grasps.probability[k]), clear, closes, lifts, causes)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -104,11 +125,11 @@ class _Lifted:
             gravity_distance_m=float(grasps.gravity_distance[k]),
             inside_share=float(grasps.inside_share[k]),
             arc_ratio=float(grasps.arc_ratio[k]),
-            cost_m=float(grasps.cost[k]),
             way=way_to(self.tips[k], width, self.gripper, self.motion, twin=twin),
             tip_height_m=float(grasps.tip[k]) if over_support else None,
             grip_m=float(grasps.grip[k]) if over_support else None,
             unseen_m=float(grasps.unseen[k]) if over_support else None,
+            success=_success(grasps, k),
             cage=None if proved is None else proved.cages[k],
             closure=None if proved is None else proved.closures[k],
             reach=reached,

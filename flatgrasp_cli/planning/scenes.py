@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from flatgrasp_cli.model import Cloud, CloudWarning, Grasp, ObjectPlan, Scene, SupportPlane
 from flatgrasp_cli.planning.lifting import plan_object
 from flatgrasp_cli.profiles import Gripper, PlannerSettings, Robot, load_settings
+from flatgrasp_cli.ranking import TIE
 from flatgrasp_cli.scene import segment, without_far_strays, without_repeats
 from flatgrasp_cli.sensor import located
 
@@ -80,7 +81,7 @@ def plan(
     """
     if top < 1:
         raise ValueError(f"top is how many grasps to keep, one or more, not {top}")
-    resolved = (settings or load_settings()).resolve(gripper)
+    resolved = (settings or load_settings()).resolve(gripper, robot)
     if resolved.hand.model == "paper":
         gripper = gripper.in_the_papers_symbols()
     began = time.perf_counter()
@@ -127,10 +128,11 @@ def _table_tilted(support: SupportPlane | None) -> tuple[CloudWarning, ...]:
     return (CloudWarning("table_tilted", text),)
 
 
-def _best_first(item: ObjectPlan) -> tuple[bool, bool, bool, float, int]:
+def _best_first(item: ObjectPlan) -> tuple[bool, bool, bool, int, int]:
     """The order of picking: that of the objects' best grasps, but later what others lie on, or what lies at an edge.
 
-    Objects without a grasp come last, larger first.
+    Grasps that are equally probable are those of larger objects first. Objects without a grasp come last.
     """
-    cloud, cost = item.object, item.grasps[0].cost_m if item.grasps else math.inf
-    return (not item.grasps, cloud.cut_off or cloud.at_edge, bool(cloud.supports), cost, -len(cloud.points))
+    cloud, best = item.object, item.grasps[0] if item.grasps else None
+    sure = round(best.success.probability / TIE) if best is not None and best.success is not None else 0
+    return (best is None, cloud.cut_off or cloud.at_edge, bool(cloud.supports), -sure, -len(cloud.points))

@@ -7,6 +7,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from flatgrasp_cli.profiles.base import Length, Place, Profile, Size, Turn
+from flatgrasp_cli.profiles.uncertainty import HandUncertainty
 
 Offsets = Annotated[tuple[Place, ...], Field(min_length=1, max_length=10)]
 MOTIONS = {"parallel": "two parallel fingers", "arc": "two fingers on an arc", "underactuated": "two adaptive fingers"}
@@ -61,6 +62,8 @@ class Gripper(Profile):
     """w_h of the paper's eq. (2), metres: of the fingers, not of wrist and palm (Fig. 16). None: its w_f."""
     max_force_n: Annotated[float, Field(ge=0.01, le=1e5)] | None = None
     """The force with which the fingers can press, newtons; None: not known."""
+    uncertainty: HandUncertainty | None = None
+    """How well the hand's place and its pads' friction are known, where that is better or worse than usual."""
 
     @model_validator(mode="after")
     def _adapter_ends_before_the_palm(self) -> Self:

@@ -8,6 +8,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from flatgrasp_cli.profiles.base import FarPlace, Place, Profile, Size, Turn
+from flatgrasp_cli.profiles.uncertainty import HandUncertainty
 
 SixPlaces = tuple[Place, Place, Place, Place, Place, Place]
 SixTurns = tuple[Turn, Turn, Turn, Turn, Turn, Turn]
@@ -131,6 +132,8 @@ class Robot(Profile):
     """What it lifts by its data sheet, kilograms."""
     camera_pose: CameraPose | None = None
     """Where the camera stands in `base_frame`, unless a pose is given with the clouds; None: not known."""
+    uncertainty: HandUncertainty | None = None
+    """How well its hand's place is known, where that is better or worse than usual."""
 
     @model_validator(mode="after")
     def _stands_within_limits(self) -> Self:

@@ -19,7 +19,7 @@ from flatgrasp_cli.results.contracts.grasps import (
 from flatgrasp_cli.results.numbers import number, numbers, rounded
 
 if TYPE_CHECKING:
-    from flatgrasp_cli.model.grasps import Cage, Closure
+    from flatgrasp_cli.model.grasps import Cage, Closure, Success
 
 Thing = TypeVar("Thing")
 Made = TypeVar("Made")
@@ -45,7 +45,8 @@ def grasp_part(grasp: Grasp, gripper: Gripper) -> GraspPart:
         width_m=number(grasp.width_m),
         contacts=numbers(grasp.contacts),
         fingers=cast(Any, list(grasp.fingers)),
-        metrics=cast(MetricsPart, {name: number(getattr(grasp, name)) for name in MetricsPart.__annotations__}),
+        success=optional(_fields, grasp.success),
+        metrics=cast(MetricsPart, {name: number(getattr(grasp, name, None)) for name in MetricsPart.__annotations__}),
         force_closure=optional(_fields, grasp.closure),
         cage=optional(_fields, grasp.cage),
         reach=optional(_reach, grasp.reach),
@@ -74,6 +75,6 @@ def _reach(reach: Reach) -> ReachPart:
     )
 
 
-def _fields(record: Cage | Closure) -> Any:
+def _fields(record: Cage | Closure | Success) -> Any:
     """What a record of numbers holds, by name."""
     return rounded(asdict(record))

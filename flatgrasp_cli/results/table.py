@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 ROWS = 5
-SHORT = ("object", "rank", "width\nmm", "open\nmm", "needs\nμ", "position x y z\nm")
+SHORT = ("object", "rank", "holds\n%", "width\nmm", "open\nmm", "needs\nμ", "position x y z\nm")
 WIDE = (*SHORT, "force balance\n°", "gravity\nmm", "approach x y z\n")
 JOINTS = "joints\n°"
 
@@ -49,6 +49,7 @@ def grasp_table(plan: Plan, *, wide: bool = False) -> Table:
 def _short(grasp: Grasp) -> tuple[str, ...]:
     return (
         str(grasp.rank),
+        "" if grasp.success is None else f"{100 * grasp.success.probability:.0f}",
         f"{1e3 * grasp.width_m:.1f}",
         f"{1e3 * grasp.opening_m:.1f}",
         f"{grasp.required_friction:.2f}",

@@ -8,11 +8,12 @@ import numpy as np
 
 from flatgrasp_cli.funnel import Funnel
 from flatgrasp_cli.geometry.arrays import FloatArray, chunks
+from flatgrasp_cli.geometry.height_map import UNSEEN
 from flatgrasp_cli.geometry.polygon import in_frames
-from flatgrasp_cli.model import FingerCandidates, GraspCandidates, Silhouette
+from flatgrasp_cli.model import FingerCandidates, GraspCandidates, OpenHands, Silhouette
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import HandSettings, PlannerSettings
-from flatgrasp_cli.surroundings.below import breadth_m
+from flatgrasp_cli.surroundings.below import Stops, breadth_m
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,11 +64,11 @@ class Alone:
         grasps = grasps.select(kept)
         level, unknown = np.zeros(len(grasps)), np.full(len(grasps), np.nan)
         margin = 0.5 * (grasps.opening - grasps.width)
-        return grasps.having(tip=level, grip=unknown, margin=margin, unseen=unknown, touch=level)
+        return grasps.having(tip=level, grip=unknown, margin=margin, unseen=unknown, touch=level, lean=level)
 
-    def cost(self, grasps: GraspCandidates, /) -> FloatArray:
-        """Nothing (p,): the way to an object alone is free."""
-        return np.zeros(len(grasps))
+    def stopped(self, hands: OpenHands, _gripper: Gripper, /) -> Stops:
+        """Nothing: the way to an object alone is free, and all of it was seen."""
+        return Stops(np.full(len(hands), UNSEEN), np.zeros(len(hands)))
 
 
 def openings(grasps: GraspCandidates, gripper: Gripper, settings: HandSettings) -> FloatArray:

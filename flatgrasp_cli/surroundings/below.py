@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from flatgrasp_cli.funnel import Miss
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 from flatgrasp_cli.geometry.polygon import in_frames, left_normal
-from flatgrasp_cli.model import GraspCandidates
+from flatgrasp_cli.model import GraspCandidates, OpenHands
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import HandSettings
 
@@ -20,6 +22,16 @@ MAX_PAIRS = 200_000
 SAME_M = 0.001
 """If what a finger meets would be lower by more than this, metres, without the object's own points, it is the object.
 It decides how a refusal is worded, and lies above rounding and below the height of anything."""
+
+
+class Stops(NamedTuple):
+    """What is in the way of p open hands: `height` (p,), metres, at which it stops their fingertips, −∞ if nothing.
+
+    `dark` (p,) is the share of the places of their fingertips that no ray reached.
+    """
+
+    height: FloatArray
+    dark: FloatArray
 
 
 def under_fingers(
@@ -61,6 +73,29 @@ def under_fingers(
     return found, hidden
 
 
+def stops(hands: OpenHands, rest: HeightMap, coarse: HeightMap, gripper: Gripper) -> Stops:
+    """What stops p open hands that come down wherever they miss to: the `rest` their fingers, anything their palm.
+
+    Of a fingertip only the middle counts, half its width by half its thickness: what it meets with its rim it pushes
+    aside, or is pushed aside by.
+    """
+    across, cell = left_normal(hands.axis), rest.cell_m
+    aside = _steps(0.5 * gripper.finger_width_m, cell)
+    out = 0.5 * gripper.finger_thickness_m + _steps(0.5 * gripper.finger_thickness_m, cell)
+    heights = []
+    for sign, offsets in zip((-1.0, 1.0), gripper.jaws, strict=True):
+        x = np.concatenate([offset + aside for offset in offsets])
+        y = sign * (0.5 * hands.opening + out[:, None])  # (out, p)
+        places = [hands.center[:, k] + x[:, None, None] * across[:, k] + y * hands.axis[:, k] for k in (0, 1)]
+        heights.append(rest.over(*places).reshape(-1, len(hands)))
+    met = np.concatenate(heights)
+    highest, dark = met.max(axis=0), np.mean(met == UNSEEN, axis=0)
+    long_m = gripper.finger_length_m
+    lowest = float(hands.tip.min(initial=np.inf))
+    palm = under_palm(hands, hands.opening[None], coarse, lowest + long_m, gripper)[0] - long_m
+    return Stops(np.maximum(highest, palm), dark)
+
+
 def breadth_m(gripper: Gripper, openings: FloatArray) -> FloatArray:
     """The hand's size along the closing axis above its fingers (…), metres: the palm's or that of their roots."""
     return np.maximum(gripper.palm_m, openings + 2 * gripper.root_m)
@@ -85,7 +120,7 @@ def palm_room(
 
 
 def under_palm(
-    grasps: GraspCandidates,
+    grasps: GraspCandidates | OpenHands,
     openings: FloatArray,
     chart: HeightMap,
     least_m: float,

@@ -18,7 +18,7 @@ from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.surroundings.below import fingers_meet, palm_meets, palm_room, too_low, under_fingers, under_palm
 from flatgrasp_cli.surroundings.maps import Relief
 from flatgrasp_cli.surroundings.slices import lowest_tip
-from flatgrasp_cli.surroundings.walls import walls
+from flatgrasp_cli.surroundings.walls import Walls, walls
 
 MIN_GRIP_SHARE = 0.5
 """Share of a wall's height that the pads must hold where the wall is too low for the least grip: the fingertips'
@@ -30,18 +30,29 @@ LOWER_M = 0.001
 """A smaller opening is chosen if the fingertips come down further by more than this, metres, the noise of a height."""
 
 
+LEAST_HELD_M = 0.001
+"""Pads that hold less height than this, metres, hold nothing: a height map's noise."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class _Upright:
     """What p pairs hold, heights (p,) in metres.
 
     `wall` is the top of the lower of the two walls, `firm` the same without what is only a flank, `need` the least
-    grip, and `seen` the height at which the boundaries on both sides were seen.
+    grip, and `seen` the height at which the boundaries on both sides were seen. `found` are the walls themselves.
     """
 
     wall: FloatArray
     firm: FloatArray
     need: FloatArray
     seen: FloatArray
+    found: Walls
+
+    def lean(self, grasps: GraspCandidates, tip: FloatArray) -> FloatArray:
+        """Tangent (p,) of the angle by which the walls of pairs lean from upright, over the lower half of the grip."""
+        half = 0.5 * np.maximum(self.wall - tip, LEAST_HELD_M)
+        angles = [np.arctan(self.found.recess(rows, tip + half) / half) for rows in (grasps.i, grasps.j)]
+        return np.asarray(np.tan(0.5 * np.add(*angles)))
 
 
 def descended(
@@ -81,6 +92,7 @@ def descended(
         margin=margin,
         unseen=unseen[choice, columns],
         touch=np.clip(held.seen, tip, np.maximum(held.wall, tip)),
+        lean=held.lean(grasps, tip),
     ).select(kept)
     room = palm_room(grasps, maps.coarse, headroom, gripper, settings.hand)
     grasps = grasps.having(margin=np.minimum(grasps.margin, room), palm_room=room)
@@ -95,7 +107,8 @@ def _held(fingers: FingerCandidates, grasps: GraspCandidates, around: Relief, gr
     # Between two flanks the object slips out; if one side is upright, the other may be slanted.
     firm = wall - np.minimum(found.flank[grasps.i], found.flank[grasps.j])
     need = np.minimum(around.settings.depth.min_grip_m, MIN_GRIP_SHARE * np.maximum(wall, 0.0))
-    return _Upright(wall, firm, need, np.maximum(found.boundary[grasps.i], found.boundary[grasps.j]))
+    seen = np.maximum(found.boundary[grasps.i], found.boundary[grasps.j])
+    return _Upright(wall=wall, firm=firm, need=need, seen=seen, found=found)
 
 
 def _tips(below: FloatArray, palm_tip: FloatArray, lowest: FloatArray, held: _Upright, around: Relief) -> FloatArray:
@@ -124,18 +137,3 @@ def _margins(grasps: GraspCandidates, gripper: Gripper, settings: PlannerSetting
     most = np.minimum(np.minimum(room, settings.hand.preshape_m), 0.5 * (gripper.max_opening_m - grasps.width))
     least = np.minimum(settings.hand.clearance_m, most)
     return np.asarray(most + np.linspace(0.0, 1.0, MARGINS)[:, None] * (least - most))
-
-
-def descent_cost(grasps: GraspCandidates, settings: PlannerSettings) -> FloatArray:
-    """What the way down to p pairs adds to their cost, metres (p,): shallow, tight or hidden grasps rank lower."""
-    weights = settings.gravity
-    shallow = np.maximum(settings.depth.good_grip_m - grasps.grip, 0.0)
-    tight = np.maximum(settings.hand.preshape_m - grasps.margin, 0.0) ** 2 / settings.hand.preshape_m
-    unseen = grasps.unseen if settings.depth.unseen == "rank" else 0.0
-    return np.asarray(
-        weights.level_weight * grasps.tip
-        + weights.grip_weight * shallow
-        + weights.low_grip_weight * np.maximum(settings.depth.min_grip_m - grasps.grip, 0.0)
-        + weights.margin_weight * tight
-        + weights.unseen_weight * unseen
-    )

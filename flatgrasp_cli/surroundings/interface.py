@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Protocol
 
 from flatgrasp_cli.funnel import Funnel
-from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.model import FingerCandidates, GraspCandidates, Silhouette
+from flatgrasp_cli.model import FingerCandidates, GraspCandidates, OpenHands, Silhouette
 from flatgrasp_cli.profiles.gripper import Gripper
+from flatgrasp_cli.surroundings.below import Stops
 
 
 class Surroundings(Protocol):
@@ -43,5 +43,5 @@ class Surroundings(Protocol):
     ) -> GraspCandidates:
         """The pairs to which the hand can come, with its opening on the way and the heights of tips and contacts."""
 
-    def cost(self, grasps: GraspCandidates, /) -> FloatArray:
-        """What the way there adds to the grasps' cost, metres (p,)."""
+    def stopped(self, hands: OpenHands, gripper: Gripper, /) -> Stops:
+        """How high open hands are stopped by what stands below them, and how much of their place was not seen."""

@@ -8,10 +8,10 @@ from typing import ClassVar
 import numpy as np
 
 from flatgrasp_cli.funnel import Funnel
-from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.model import FingerCandidates, GraspCandidates, Silhouette
+from flatgrasp_cli.model import FingerCandidates, GraspCandidates, OpenHands, Silhouette
 from flatgrasp_cli.profiles.gripper import Gripper
-from flatgrasp_cli.surroundings.descent import descended, descent_cost
+from flatgrasp_cli.surroundings.below import Stops, stops
+from flatgrasp_cli.surroundings.descent import descended
 from flatgrasp_cli.surroundings.maps import Relief
 from flatgrasp_cli.surroundings.sight import of_known_thickness, seen_sides
 from flatgrasp_cli.surroundings.walls import upright
@@ -59,6 +59,6 @@ class OnSupport(Relief):
         """The pairs on which the hand can come down far enough, and how it does."""
         return descended(fingers, grasps, self, gripper, funnel)
 
-    def cost(self, grasps: GraspCandidates, /) -> FloatArray:
-        """Shallow, tight or hidden grasps cost more, metres (p,)."""
-        return descent_cost(grasps, self.settings)
+    def stopped(self, hands: OpenHands, gripper: Gripper, /) -> Stops:
+        """What stands below the fingers and the palm of open hands."""
+        return stops(hands, self.maps.rest, self.maps.coarse, gripper)

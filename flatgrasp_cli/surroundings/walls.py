@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
+from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.geometry.lines import fitted_lines
 from flatgrasp_cli.model import FingerCandidates
@@ -30,12 +30,23 @@ class Walls(NamedTuple):
     """What pads rest on at m finger candidates: heights (m,) over the plane, metres.
 
     `top` is the median over the places along the pad, `boundary` the mean of what was seen at the boundary, and `flank`
-    how much of the wall's height is only a flank.
+    how much of the wall's height is only a flank. `profile` (distances, m) are the heights at `INWARD_M`, the median
+    along the pad.
     """
 
     top: FloatArray
     boundary: FloatArray
     flank: FloatArray
+    profile: FloatArray
+
+    def recess(self, rows: IntArray, levels: FloatArray) -> FloatArray:
+        """How far (p,) inward from the boundary the walls of the candidates `rows` (p,) come up to `levels` (p,).
+
+        Metres, from the first place that heights are known at; those that never do begin behind the last.
+        """
+        reached = self.profile[:, rows] >= levels
+        first = np.where(reached.any(axis=0), reached.argmax(axis=0), len(INWARD_M) - 1)
+        return np.asarray(INWARD_M[first] - INWARD_M[0])
 
 
 def pad_places(fingers: FingerCandidates, inward: FloatArray, along: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -77,4 +88,5 @@ def walls(fingers: FingerCandidates, surface: HeightMap, highest: HeightMap, lev
     counts, totals = known.sum(axis=1), np.where(known, highest.over(*places), 0.0).sum(axis=1)
     _, slope = fitted_lines(INWARD_M, np.where(counts > 0, totals / np.maximum(counts, 1), np.nan).T)
     flank = (slope > LEAST_SLOPE) & (slope < 1 / friction)
-    return Walls(top, boundary, np.where(flank, slope * INWARD_M[WALL_PLACES - 1], 0.0))
+    profile = np.sort(np.where(known, heights, 0.0), axis=1)[:, len(ALONG_PAD) // 2]
+    return Walls(top, boundary, np.where(flank, slope * INWARD_M[WALL_PLACES - 1], 0.0), profile)

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from flatgrasp_cli.ranking.cost import loneliness
 
 from flatgrasp_cli import load_settings
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import GraspCandidates, GravityCenter, OrientedBox, PlaneShape, Silhouette
 from flatgrasp_cli.planner.gravity import best_first
 from flatgrasp_cli.ranking import grasp_cost
-from flatgrasp_cli.ranking.cost import loneliness
 from flatgrasp_cli.surroundings.descent import descent_cost
 from tests.by_hand import MM, WORLD, across
 

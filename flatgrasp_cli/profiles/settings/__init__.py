@@ -1,6 +1,12 @@
 """Settings of the planner, section by section of the paper. `null` (None) means: derive it, as the comment says."""
 
-from flatgrasp_cli.profiles.settings.beyond import ApproachSettings, CagingSettings, DepthSettings, VarietySettings
+from flatgrasp_cli.profiles.settings.beyond import (
+    ApproachSettings,
+    CagingSettings,
+    DepthSettings,
+    RankingSettings,
+    VarietySettings,
+)
 from flatgrasp_cli.profiles.settings.method import (
     BalanceSettings,
     FingerSettings,
@@ -11,6 +17,7 @@ from flatgrasp_cli.profiles.settings.method import (
 )
 from flatgrasp_cli.profiles.settings.planner import PlannerSettings
 from flatgrasp_cli.profiles.settings.scene import SceneSettings
+from flatgrasp_cli.profiles.uncertainty import UncertaintySettings
 
 __all__ = [
     "ApproachSettings",
@@ -22,7 +29,9 @@ __all__ = [
     "HandSettings",
     "MainPlaneSettings",
     "PlannerSettings",
+    "RankingSettings",
     "SceneSettings",
     "SilhouetteSettings",
+    "UncertaintySettings",
     "VarietySettings",
 ]

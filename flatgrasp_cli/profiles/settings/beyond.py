@@ -24,8 +24,6 @@ class DepthSettings(Profile):
     """Free space between fingertips and what lies below them, metres."""
     min_grip_m: Size
     """Least height of the pads on the object, metres; half of the object's height where that is less."""
-    good_grip_m: Size
-    """Height of the pads on the object beyond which more is no better, metres."""
     slice_step_m: Step
     """Outlines are taken at levels this far apart, metres."""
     wall_drop: Annotated[float, Field(ge=0, le=20)]
@@ -35,7 +33,7 @@ class DepthSettings(Profile):
     """An object this many times as high as its footprint is long, a ratio, may be grasped from the side, if not from
     above."""
     unseen: Literal["rank", "refuse", "ignore"]
-    """Finger places that no ray reached, in the object's shadow: rank lower, refuse, or take for free."""
+    """Finger places that no ray reached, in the object's shadow: hold less probably, are refused, or count as free."""
     approach_m: Length
     """From the pre-grasp pose to the grasp, along the approach, metres."""
     lift_m: Length
@@ -65,6 +63,14 @@ class VarietySettings(Profile):
     """The least angle between the closing axes of two grasps at about one place, degrees."""
 
 
+class RankingSettings(Profile):
+    """Which of an object's grasps is best."""
+
+    prefer: Literal["success", "gravity_distance", "cage"]
+    """The grasp that most probably holds; the paper's, nearest to the centre of gravity; or grasps with a cage first,
+    of those the one that forgives the largest miss."""
+
+
 class CagingSettings(Profile):
     """Beyond the paper: within which openings the object cannot get away."""
 
@@ -72,8 +78,6 @@ class CagingSettings(Profile):
     """Whether the best grasps get certificates."""
     mass_kg: Annotated[float, Field(ge=1e-4, le=1e4)] | None
     """The object's mass, kilograms, for the margins of lifting it; None: not known."""
-    prefer: Literal["cost", "cage"]
-    """cage: grasps with a cage first, of those the one that forgives the largest miss."""
     require: bool
     """Whether a grasp without a cage is none."""
     considered: Annotated[int, Field(ge=1, le=1000)]

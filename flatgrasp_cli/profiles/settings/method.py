@@ -9,7 +9,6 @@ from pydantic import Field
 from flatgrasp_cli.profiles.base import Angle, Length, Profile, Share, Size, Step
 from flatgrasp_cli.profiles.gripper import Gripper
 
-Weight = Annotated[float, Field(ge=0, le=100)]
 Friction = Annotated[float, Field(ge=0.01, le=5)]
 
 
@@ -108,31 +107,7 @@ class HandSettings(Profile):
 
 
 class GravitySettings(Profile):
-    """§III.C: gravity and the final choice."""
+    """§III.C: gravity."""
 
     center: Literal["area", "points"]
     """Centre of the outline's area, or the mean of the points."""
-    overhang_weight: Weight
-    """Cost in metres of each metre that the centre of gravity lies beyond the contacts along the grasping line: the
-    paper's distance to that line does not see it, the pads' friction does."""
-    gap_weight: Weight
-    """Cost of each metre of the closing segment outside the object, in metres of gravity distance."""
-    width_weight: Weight
-    """Cost in metres of each metre of width."""
-    friction_weight_m: Weight
-    """Cost of required friction 1, metres; of less in proportion to its square, so that a small slant costs nothing."""
-    lonely_cost_m: Length
-    """Cost of a grasp that has no other within a centimetre on either hand, metres: one that forgives no miss."""
-    level_weight: Weight
-    """Cost in metres of each metre that the fingertips stay above the support plane."""
-    grip_weight: Weight
-    """Cost in metres of each metre that the pads' height on the object falls short of `depth.good_grip_m`."""
-    low_grip_weight: Weight
-    """Cost in metres of each metre that it falls short of `depth.min_grip_m`: a blade is gripped for want of a handle.
-    """
-    margin_weight: Weight
-    """Cost of no space beside the pads, a ratio to `hand.preshape_m`; of some by the square of what is missing."""
-    hole_cost_m: Length
-    """Cost of a finger in a hole, where it has little room on any side, metres."""
-    unseen_weight: Weight
-    """Cost in metres of each metre of the fingers' way that no ray reached, both sides together."""

@@ -9,7 +9,14 @@ from pydantic import Field
 
 from flatgrasp_cli.profiles.base import Profile
 from flatgrasp_cli.profiles.gripper import Gripper
-from flatgrasp_cli.profiles.settings.beyond import ApproachSettings, CagingSettings, DepthSettings, VarietySettings
+from flatgrasp_cli.profiles.robot import Robot
+from flatgrasp_cli.profiles.settings.beyond import (
+    ApproachSettings,
+    CagingSettings,
+    DepthSettings,
+    RankingSettings,
+    VarietySettings,
+)
 from flatgrasp_cli.profiles.settings.method import (
     BalanceSettings,
     FingerSettings,
@@ -19,6 +26,7 @@ from flatgrasp_cli.profiles.settings.method import (
     SilhouetteSettings,
 )
 from flatgrasp_cli.profiles.settings.scene import SceneSettings
+from flatgrasp_cli.profiles.uncertainty import UncertaintySettings
 
 
 class PlannerSettings(Profile):
@@ -49,14 +57,18 @@ class PlannerSettings(Profile):
     approach: ApproachSettings
     """Beyond the paper: from which sides the hand comes."""
     gravity: GravitySettings
-    """§III.C: gravity and the final choice."""
+    """§III.C: the centre of gravity."""
+    ranking: RankingSettings
+    """Which of the grasps is best."""
+    uncertainty: UncertaintySettings
+    """Beyond the paper: what may be off when the hand closes."""
     variety: VarietySettings
     """Beyond the paper: how much the listed grasps differ."""
     caging: CagingSettings
     """Beyond the paper: proofs."""
 
-    def resolve(self, gripper: Gripper) -> PlannerSettings:
-        """The same with every None that the gripper decides replaced; those that the object decides stay None."""
+    def resolve(self, gripper: Gripper, robot: Robot | None = None) -> PlannerSettings:
+        """The same with every None that gripper or robot decides replaced; those that the object decides stay None."""
         balance = self.balance
         friction = balance.friction_with(gripper)
         cone = math.atan(friction)
@@ -69,4 +81,5 @@ class PlannerSettings(Profile):
             arm = normalised * gripper.max_opening_m
             torque_max = {"friction": friction, "normalised": normalised, "arm": arm}[balance.torque]
         resolved = {"friction": friction, "force_balance_max_deg": min(gamma, 180.0), "torque_max": torque_max}
-        return self.model_copy(update={"balance": balance.model_copy(update=resolved)})
+        uncertainty = self.uncertainty.resolved(gripper.uncertainty, robot.uncertainty if robot else None)
+        return self.model_copy(update={"balance": balance.model_copy(update=resolved), "uncertainty": uncertainty})

@@ -42,8 +42,8 @@ class MetricsPart(Part):
     """How much of the closing segment lies inside the object, a share."""
     arc_ratio: Number
     """Boundary under the pad over the pad's chord, the larger ratio of the two sides."""
-    cost_m: Number
-    """What the grasps are ranked by, metres: gravity distance, and what the settings add to it."""
+    cost_m: Number | None
+    """Always null: grasps are ranked by `success.probability` instead of a cost in metres."""
     tip_height_m: Number | None
     """How high over the support plane the fingertips end, metres; of a hand that does not come straight down
     (`tilt_deg`), how high along its approach over the deepest point that was seen of the object. Null for an object
@@ -52,6 +52,38 @@ class MetricsPart(Part):
     """How much of the object's height the pads cover, metres; null for an object seen alone."""
     unseen_m: Number | None
     """How much of the fingers' way the sensor did not see, metres; null for an object seen alone."""
+
+
+class CausesPart(Part):
+    """What a grasp fails by, and how probably; with `probability` they sum to 1."""
+
+    lands_on_object: Number
+    """A fingertip comes down on the object itself, a chance from 0 to 1."""
+    stopped_short: Number
+    """Something else stops fingers or palm so high that the pads hold nothing, or unseen space was occupied."""
+    closes_beside: Number
+    """The object is not between the fingers."""
+    slips: Number
+    """Its sides lean by more than friction holds."""
+    too_heavy: Number
+    """Friction does not bear its weight."""
+    turns: Number
+    """It turns about the pads, and one end stays on the table."""
+
+
+class SuccessPart(Part):
+    """How probable it is that the grasp holds, with the settings' `uncertainty`."""
+
+    probability: Number
+    """That the object is held and lifted: `clear` · `closes` · `lifts`."""
+    clear: Number
+    """That the open hand comes to stand where it can close."""
+    closes: Number
+    """That closing it there holds the object."""
+    lifts: Number
+    """That the object then comes up with the hand."""
+    causes: CausesPart
+    """What happens otherwise."""
 
 
 class JointsPart(Part):
@@ -186,6 +218,8 @@ class GraspPart(Part):
     """Where the pads meet it, on the −y side of `pose` and on the +y side: x, y, z in metres."""
     fingers: tuple[int, int]
     """The numbers of the finger candidates on the −y side and on the +y side."""
+    success: SuccessPart | None
+    """How probably it holds; null for a method that knows no hand (`allen`)."""
     metrics: MetricsPart
     """What the method measured of it."""
     force_closure: ClosurePart | None

@@ -18,6 +18,7 @@ from flatgrasp_cli.results.figures.marks import sensor_in_words
 from flatgrasp_cli.results.figures.page import Page
 from flatgrasp_cli.results.figures.scene import draw_scene, picked
 from flatgrasp_cli.results.figures.style import MM, NO_BREAK, counted, in_numbers, numbered
+from flatgrasp_cli.results.success import holds_in_words
 from flatgrasp_cli.results.view import middle_of, normal_of, view_of
 
 REASONS = 3
@@ -113,6 +114,7 @@ def _how_wide(plan: Plan, best: Grasp) -> str:
 
 def _why(plan: Plan, best: Grasp) -> str:
     reasons = [
+        *holds_in_words(best),
         f"the best of the {plan.objects[0].funnel[-1].kept} that passed every stage",
         f"its sides are parallel within {best.force_balance_deg:.1f}° (force balance)",
         f"torque arm {MM * best.torque_arm_m:.1f} mm",

@@ -1,0 +1,87 @@
+"""How far the hand may miss, and what of the object is not known: one set of samples for all grasps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from statistics import NormalDist
+
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.profiles.uncertainty import Uncertainty
+
+NORMAL, UNIFORM = 7, 3
+"""How many of a sample's numbers are normally, and how many are evenly distributed."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Errors:
+    """All that is not known, s samples of it.
+
+    The hand misses by `across` its closing axis, `along` it and in `height` (s,), metres, and is turned by `yaw` (s,),
+    radians. The pads' friction is `friction` (s,) times what is counted on. The object's sides are off by `outline`
+    (s,), in standard deviations, its centre of gravity by `center` (s, 2), as a share of its length, and its mass is
+    that of `density` (s,), kg/m³. `luck` (s,), 0 to 1, tells how much of what may be there really is.
+    """
+
+    across: FloatArray
+    along: FloatArray
+    height: FloatArray
+    yaw: FloatArray
+    friction: FloatArray
+    outline: FloatArray
+    center: FloatArray
+    density: FloatArray
+    luck: FloatArray
+
+    def __len__(self) -> int:
+        """Number of samples."""
+        return len(self.yaw)
+
+
+def errors_of(unsure: Uncertainty, seed: int) -> Errors:
+    """The samples of the stated errors: the same for the same settings and seed, on any machine."""
+    even = _sequence(unsure.samples, NORMAL + UNIFORM, seed)
+    normal = _normal(unsure.samples, seed)
+    low, high = unsure.density_kg_m3
+    return Errors(
+        across=unsure.position_m * normal[:, 0],
+        along=unsure.position_m * normal[:, 1],
+        height=unsure.height_m * normal[:, 2],
+        yaw=np.radians(unsure.yaw_deg) * normal[:, 3],
+        outline=normal[:, 6],
+        center=unsure.center_share * normal[:, 4:6],
+        friction=1 + unsure.friction_share * (2 * even[:, NORMAL] - 1),
+        density=low + (high - low) * even[:, NORMAL + 1],
+        luck=even[:, NORMAL + 2],
+    )
+
+
+@lru_cache(maxsize=4)
+def _normal(count: int, seed: int) -> FloatArray:
+    """The first `NORMAL` columns of the sequence, made normally distributed."""
+    even = _sequence(count, NORMAL + UNIFORM, seed)[:, :NORMAL]
+    inverse = NormalDist().inv_cdf
+    return np.array([[inverse(value) for value in row] for row in even.tolist()])
+
+
+@lru_cache(maxsize=4)
+def _sequence(count: int, dimensions: int, seed: int) -> FloatArray:
+    """Points (count, dimensions) spread evenly in the unit cube, strictly inside it.
+
+    An additive recurrence whose steps are the powers of 1/φ, φ^(d+1) = φ + 1 (M. Roberts 2018, "The unreasonable
+    effectiveness of quasirandom sequences"), from a start that the seed gives. scipy's Sobol points are no better for
+    so few, and importing scipy.stats takes longer than a plan.
+    """
+    ratio = 2.0
+    for _ in range(ROUNDS):
+        ratio = (1 + ratio) ** (1 / (dimensions + 1))
+    steps = ratio ** -np.arange(1.0, dimensions + 1)
+    start = np.random.default_rng(seed).random(dimensions)
+    points = np.mod(start + np.arange(1, count + 1)[:, None] * steps, 1.0)
+    return np.clip(points, LEAST, 1 - LEAST)
+
+
+ROUNDS, LEAST = 40, 1e-9
+"""Rounds of a fixed-point iteration that gains half a digit in each, and how near to a face of the cube points come."""

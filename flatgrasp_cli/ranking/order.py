@@ -1,0 +1,74 @@
+"""Which grasp is best: the one that most probably holds and, among equals, the paper's."""
+
+from __future__ import annotations
+
+from statistics import NormalDist
+
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
+from flatgrasp_cli.model import GraspCandidates
+from flatgrasp_cli.profiles.gripper import Gripper
+from flatgrasp_cli.profiles.settings import PlannerSettings, VarietySettings
+from flatgrasp_cli.ranking.variety import differing
+
+TIE = 0.01
+"""Probabilities that differ by less are equal: samples tell them apart no better."""
+CONTENDERS, APART_M, APART_DEG = 48, 0.005, 10.0
+"""Grasps of an object that are sampled: the best by the estimate of those that lie so far apart, metres and degrees, or
+are turned so much. The hand misses by more."""
+ROOM_STEP_M, ROOM_STEPS = 0.001, 41
+"""Steps of the table of how probable it is that the hand misses by less: 4 cm are more than it ever does."""
+LEAST_SPREAD = 1e-9
+"""Stands for a spread of 0."""
+
+
+def best_first(grasps: GraspCandidates, situation: Situation) -> GraspCandidates:
+    """All of p grasps in their order: those that were tried, then the others by what was estimated of them."""
+    settings = situation.settings
+    if settings.ranking.prefer == "gravity_distance":
+        grasps = grasps.having(merit=-grasps.gravity_distance)
+        return grasps.select(np.lexsort((grasps.j, grasps.i, grasps.required_friction, grasps.gravity_distance)))
+    grasps = grasps.having(merit=estimated(grasps, situation.gripper, settings))
+    order = by_probability(grasps.merit, grasps)
+    apart = VarietySettings(apart_m=APART_M, apart_deg=APART_DEG)
+    contenders = np.array(differing(grasps, order, apart, CONTENDERS), dtype=np.intp)
+    first = situation.tried(grasps.select(contenders))
+    first = first.having(merit=first.probability)
+    others = order[~np.isin(order, contenders)]
+    return first.select(by_probability(first.probability, first)).followed_by(grasps.select(others))
+
+
+def by_probability(probability: FloatArray, grasps: GraspCandidates) -> IntArray:
+    """The order (p,) of grasps: the most probable first, those within `TIE` of it by gravity distance, and so on."""
+    order = np.lexsort((grasps.j, grasps.i, grasps.gravity_distance, -probability))
+    ranked, values = list[int](), probability[order]
+    while len(ranked) < len(order):
+        begin = len(ranked)
+        end = begin + int(np.count_nonzero(values[begin:] >= values[begin] - TIE))
+        equal = order[begin:end]
+        ranked += equal[np.argsort(grasps.gravity_distance[equal], kind="stable")].tolist()
+    return np.array(ranked, dtype=np.intp)
+
+
+def estimated(grasps: GraspCandidates, gripper: Gripper, settings: PlannerSettings) -> FloatArray:
+    """About how probable it is that p grasps hold (p,), without trying them: which of them are worth a trial.
+
+    The hand misses along its closing axis alone, the walls lean as far as they probably do, and the object is as heavy
+    as it probably is.
+    """
+    unsure, friction = settings.uncertainty.figures, settings.balance.friction_with(gripper)
+    room = grasps.margin + 0.25 * gripper.finger_thickness_m
+    normal = NormalDist(0.0, max(unsure.position_m, LEAST_SPREAD))
+    places = np.array([normal.cdf(k * ROOM_STEP_M) for k in range(ROOM_STEPS)])
+    beside = 2 * np.interp(room, ROOM_STEP_M * np.arange(ROOM_STEPS), places) - 1
+    half = 0.5 * np.nan_to_num(grasps.grip, nan=np.inf)
+    need = np.hypot(np.tan(0.5 * np.radians(grasps.force_balance_deg)), grasps.lean + unsure.outline_m / half)
+    rubs = _above(need / friction, 1 - unsure.friction_share, 1 + unsure.friction_share)
+    dark = 1 - unsure.occupied_share * np.minimum(np.nan_to_num(grasps.unseen) / gripper.finger_thickness_m, 1.0)
+    return np.asarray(beside * rubs * dark)
+
+
+def _above(values: FloatArray, low: float, high: float) -> FloatArray:
+    """How probable it is that an evenly distributed number from `low` to `high` is above `values` (p,)."""
+    return np.clip((high - values) / max(high - low, LEAST_SPREAD), 0.0, 1.0)

@@ -1,0 +1,133 @@
+"""How probable it is that a grasp holds, and what it fails by.
+
+Each grasp is carried out in thought, once for each sample of what is not known (`errors`): the probability of force
+closure under errors of the pose (Weisz & Allen, "Pose error robust grasping from contact wrench space metrics", ICRA
+2012), with what the hand meets on its way and what the object weighs besides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
+from flatgrasp_cli.geometry.polygon import cross
+from flatgrasp_cli.model import GraspCandidates, OpenHands, PlaneShape, Tolerance
+from flatgrasp_cli.profiles.gripper import Gripper
+from flatgrasp_cli.profiles.settings import PlannerSettings
+from flatgrasp_cli.ranking.closing import closed, moved
+from flatgrasp_cli.ranking.errors import Errors, errors_of
+from flatgrasp_cli.ranking.lifting import Load, lifting_failures
+from flatgrasp_cli.surroundings.interface import Surroundings
+
+CLEAR, CLOSES, LIFTS = ("lands_on_object", "stopped_short"), ("closes_beside", "slips"), ("too_heavy", "turns")
+CAUSES = (*CLEAR, *CLOSES, *LIFTS)
+"""What a grasp fails by, in the order of carrying it out: only the first counts."""
+LEAST_HELD_M = 0.001
+"""Pads that hold less height than this, metres, hold nothing: a height map's noise."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Situation:
+    """What grasps are carried out on, among what, and with which hand."""
+
+    shape: PlaneShape
+    surroundings: Surroundings
+    gripper: Gripper
+    settings: PlannerSettings
+
+    @property
+    def errors(self) -> Errors:
+        """The samples of what is not known, the same for all grasps."""
+        return errors_of(self.settings.uncertainty.figures, self.settings.seed)
+
+    def tried(self, grasps: GraspCandidates, tolerances: Sequence[Tolerance | None] = ()) -> GraspCandidates:
+        """The k grasps with `success`, `causes` and `probability`.
+
+        `tolerances` say of each how far a hand may miss that comes into a cage's basin, where it does: then closing
+        ends in the grasp.
+        """
+        failures = self._failures(grasps, _inside(tolerances, grasps, self.errors))
+        held = np.ones((len(grasps), len(self.errors)), dtype=np.bool_)
+        causes, left = np.empty((len(grasps), len(CAUSES))), np.empty((len(grasps), len(CAUSES)))
+        for n, cause in enumerate(CAUSES):
+            causes[:, n] = (held & failures[cause]).mean(axis=1)
+            held &= ~failures[cause]
+            left[:, n] = held.mean(axis=1)
+        after = left[:, np.cumsum([len(CLEAR), len(CLOSES), len(LIFTS)]) - 1]
+        before = np.column_stack([np.ones(len(grasps)), after[:, :-1]])
+        success = np.divide(after, before, out=np.ones_like(after), where=before > 0)
+        return grasps.having(success=success, causes=causes, probability=left[:, -1])
+
+    def _failures(self, grasps: GraspCandidates, inside: BoolArray) -> dict[str, BoolArray]:
+        """Whether each of k grasps fails in each of s samples by each cause, were it the only one (k, s).
+
+        Where the hand is `inside` (k, s) a basin, closing ends in the grasp, and its two sides are opposed again.
+        """
+        errors, each = self.errors, inside.shape
+        center, axis = moved(grasps.center, grasps.axis, errors)
+        hands = OpenHands(
+            center=center.reshape(-1, 2),
+            axis=axis.reshape(-1, 2),
+            opening=np.repeat(grasps.opening, len(errors)),
+            tip=(grasps.tip[:, None] + errors.height).ravel(),
+        )
+        found = closed(self.shape.silhouette.loops, hands, self.gripper, self.settings.hand.contact_tolerance_m)
+        stops = self.surroundings.stopped(hands, self.gripper)
+        hidden = errors.luck * grasps.hidden.max(axis=1)[:, None]
+        held = self._held_m(grasps, np.maximum(hands.tip, stops.height).reshape(each))
+        occupied = stops.dark.reshape(each) * self.settings.uncertainty.figures.occupied_share > errors.luck
+        friction = self.settings.balance.friction_with(self.gripper) * errors.friction
+        wedge = np.where(inside, 0.0, np.tan(found.wedge).reshape(each))
+        force_n = self.gripper.max_force_n or self.settings.uncertainty.figures.force_n
+        pads = np.column_stack([np.full(len(grasps), self.gripper.finger_width_m), self._grip_m(grasps)])
+        load = self._load(center, axis)
+        lifting = lifting_failures(load, friction * force_n, pads, self.settings.depth.lift_m)
+        return {
+            "lands_on_object": ~found.free.reshape(each) | (found.room.reshape(each) < hidden),
+            "stopped_short": (held < LEAST_HELD_M) | occupied,
+            "closes_beside": ~found.between.reshape(each) & ~inside,
+            "slips": np.hypot(wedge, self._lean(grasps, held)) > friction,
+            "too_heavy": lifting.weight,
+            "turns": lifting.turns,
+        }
+
+    def _grip_m(self, grasps: GraspCandidates) -> FloatArray:
+        """How much of the object's height the pads of k hands cover (k,), metres; of an object alone all they can."""
+        alone = min(self.gripper.finger_length_m, float(self.shape.box.size[2]))
+        return np.where(np.isnan(grasps.grip), alone, grasps.grip)
+
+    def _held_m(self, grasps: GraspCandidates, tip: FloatArray) -> FloatArray:
+        """The same for fingertips that really end at `tip` (k, s)."""
+        top = grasps.tip + self._grip_m(grasps)
+        return np.asarray(np.maximum(top[:, None] - tip, 0.0))
+
+    def _lean(self, grasps: GraspCandidates, held: FloatArray) -> FloatArray:
+        """Tangent (k, s) of the angle by which the walls lean: the less of them is `held` (k, s), the less is known.
+
+        An object alone has upright sides, for want of anything that tells.
+        """
+        noise = np.sqrt(0.5) * self.settings.uncertainty.figures.outline_m * self.errors.outline
+        lean = grasps.lean[:, None] + noise / np.maximum(0.5 * held, LEAST_HELD_M)
+        return np.where(np.isnan(grasps.grip)[:, None], 0.0, np.maximum(lean, 0.0))
+
+    def _load(self, center: FloatArray, axis: FloatArray) -> Load:
+        """What hands with the centres and axes (k, s, 2) have to bear."""
+        errors, known = self.errors, self.settings.caging.mass_kg
+        length, middle = float(self.shape.box.size[:2].max()), self.shape.gravity_center.place
+        arm = np.abs(cross(axis, middle + length * errors.center - center))
+        mass = errors.density * self.shape.volume_m3 if known is None else np.full(len(errors), known)
+        beyond = np.linalg.norm(middle - center, axis=2).mean(axis=1) + 0.5 * length
+        return Load(mass, arm, beyond)
+
+
+def _inside(tolerances: Sequence[Tolerance | None], grasps: GraspCandidates, errors: Errors) -> BoolArray:
+    """In which samples (k, s) each hand misses by no more than its cage's basin forgives."""
+    inside = np.zeros((len(grasps), len(errors)), dtype=np.bool_)
+    miss, turn = np.hypot(errors.across, errors.along), np.abs(errors.yaw)
+    for row, tolerance in enumerate(tolerances):
+        if tolerance is not None:
+            inside[row] = miss + tolerance.lever_m * turn <= tolerance.position_m
+    return inside
