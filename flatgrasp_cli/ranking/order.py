@@ -10,6 +10,7 @@ from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.model import GraspCandidates
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings, VarietySettings
+from flatgrasp_cli.ranking.success import Situation
 from flatgrasp_cli.ranking.variety import differing
 
 TIE = 0.01
