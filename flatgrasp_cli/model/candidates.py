@@ -146,6 +146,8 @@ class GraspCandidates:
 
     def followed_by(self, others: GraspCandidates) -> GraspCandidates:
         """The pairs and then `others`, whose missing numbers are NaN."""
+        if len(others) == 0:
+            return self
         columns = {}
         for name in (column.name for column in fields(self)):
             mine, theirs = getattr(self, name), getattr(others, name)

@@ -33,12 +33,12 @@ class Uncertainty:
     """Boxes of cereals, and full bottles or tools with their hollows."""
     center_share: float = 0.1
     """A handle of half an object's length puts the centre of gravity so far towards the head."""
-    occupied_share: float = 0.1
+    occupied_share: float = 0.05
     """In the shadow beside an object there is seldom anything."""
     force_n: float = 40.0
     """Hands of this size press with 30 to 235 N."""
-    samples: int = 64
-    """A probability near 0.95 is then known to three hundredths, and differences of two much better."""
+    samples: int = 128
+    """One of them is then less than what counts as equal, a hundredth."""
 
 
 class HandUncertainty(Profile):

@@ -51,19 +51,55 @@ class _Edges(NamedTuple):
     bx: FloatArray
     by: FloatArray
 
+    def select(self, keep: BoolArray | IntArray) -> _Edges:
+        """Those that a mask or an index array names."""
+        return _Edges(self.hand[keep], self.ax[keep], self.ay[keep], self.bx[keep], self.by[keep])
+
     def within(self, low: float, high: float) -> _Edges:
         """Those that meet a narrower strip, cut to it."""
-        keep = np.flatnonzero((np.minimum(self.ax, self.bx) < high) & (np.maximum(self.ax, self.bx) > low))
-        hand, ax, ay, bx, by = (column[keep] for column in self)
+        met = np.flatnonzero((np.minimum(self.ax, self.bx) < high) & (np.maximum(self.ax, self.bx) > low))
+        hand, ax, ay, bx, by = self.select(met)
         run = bx - ax
         slope = (by - ay) / np.where(run == 0, 1.0, run)
         from_x, to_x = ax.clip(low, high), bx.clip(low, high)
         return _Edges(hand, from_x, ay + slope * (from_x - ax), to_x, by + slope * (to_x - bx))
 
+    @property
+    def top(self) -> FloatArray:
+        """How far out each reaches."""
+        return np.asarray(np.maximum(self.ay, self.by))
+
+
+class _Outline(NamedTuple):
+    """The silhouette's vertices as p hands see them, `x` and `y` (p, n); `joined` (n − 1,) are those that begin an edge."""
+
+    x: FloatArray
+    y: FloatArray
+    joined: BoolArray
+
+    def within(self, low: float, high: float) -> _Edges:
+        """What the hands see of it in a strip."""
+        below, above = self.x < high, self.x > low
+        meets = (below[:, :-1] | below[:, 1:]) & (above[:, :-1] | above[:, 1:]) & self.joined
+        hand, edge = np.divmod(np.flatnonzero(meets), self.x.shape[1] - 1)
+        begin = hand * self.x.shape[1] + edge
+        ends = (column.take(row) for row in (begin, begin + 1) for column in (self.x, self.y))
+        return _Edges(hand, *ends).within(low, high)
+
+
+class _Pad(NamedTuple):
+    """A finger's pad from `left` to `right`, and what of the object it may touch."""
+
+    left: float
+    right: float
+    edges: _Edges
+
 
 class _Touch(NamedTuple):
-    """What one jaw of p hands comes to, (p,) each: `free` as in `Closed`; where its pads come to rest, `reach`, −∞ if
-    nothing stops them; and how steep the object's side is there, if they touch it only with an edge: `slope`.
+    """What one jaw of p hands comes to, (p,) each, with `free` as in `Closed`.
+
+    Its pads come to rest at `reach`, −∞ if nothing stops them. If they touch the object only with an edge, `slope` is
+    how steep its side is there.
     """
 
     free: BoolArray
@@ -83,7 +119,7 @@ def closed(loops: Sequence[FloatArray], hands: OpenHands, gripper: Gripper, tole
         x = aside @ points.T - dot(hands.center[part], aside)[:, None]
         y = along @ points.T - dot(hands.center[part], along)[:, None]
         one, other = (
-            _touch(x, sign * y, joined, face, offsets, gripper, tolerance_m)
+            _touch(_Outline(x, sign * y, joined), face, offsets, gripper, tolerance_m)
             for sign, offsets in zip((-1.0, 1.0), gripper.jaws, strict=True)
         )
         slopes = np.arctan(one.slope) + np.arctan(other.slope)  # inward normals, toward the same side
@@ -99,78 +135,56 @@ def closed(loops: Sequence[FloatArray], hands: OpenHands, gripper: Gripper, tole
 
 
 def _touch(
-    x: FloatArray,
-    y: FloatArray,
-    joined: BoolArray,
-    face: FloatArray,
-    offsets: tuple[float, ...],
-    gripper: Gripper,
-    tolerance_m: float,
+    outline: _Outline, face: FloatArray, offsets: tuple[float, ...], gripper: Gripper, tolerance_m: float
 ) -> _Touch:
-    """What a jaw with fingers at `offsets` comes to that closes from `face` (p,).
-
-    The silhouette's vertices are seen at `x` and `y` (p, n), with +y out to the jaw; `joined` are the rows that begin
-    an edge.
-    """
+    """What a jaw with fingers at `offsets` comes to that closes from `face` (p,), seen with +y out to it."""
     rim, core = RIM_SHARE * gripper.finger_thickness_m, (0.5 - RIM_SHARE) * gripper.finger_width_m
     near, far = face + rim, face + gripper.finger_thickness_m - rim
     free, pads = np.ones(len(face), dtype=np.bool_), []
     for offset in offsets:
         left, right = offset - 0.5 * gripper.finger_width_m, offset + 0.5 * gripper.finger_width_m
-        edges = _edges(x, y, joined, left, right)
+        edges = outline.within(left, right)
         free &= ~_overlap(edges.within(offset - core, offset + core), near, far)
         free &= ~_holds(edges, offset, 0.5 * (near + far))
-        inside = np.maximum(edges.ay, edges.by) <= near[edges.hand]
-        pads.append((left, right, _Edges(*(column[inside] for column in edges))))
-    reach = np.max([_highest(edges.hand, np.maximum(edges.ay, edges.by), len(face)) for *_, edges in pads], axis=0)
+        pads.append(_Pad(left, right, edges.select(edges.top <= near[edges.hand])))
+    reach = np.max([_highest(pad.edges.hand, pad.edges.top, len(face)) for pad in pads], axis=0)
     return _Touch(free, reach, _slope(pads, reach, tolerance_m))
-
-
-def _edges(x: FloatArray, y: FloatArray, joined: BoolArray, low: float, high: float) -> _Edges:
-    """What p hands see of the silhouette in a strip."""
-    below, above = x < high, x > low
-    meets = (below[:, :-1] | below[:, 1:]) & (above[:, :-1] | above[:, 1:]) & joined
-    hand, edge = np.divmod(np.flatnonzero(meets), x.shape[1] - 1)
-    begin = hand * x.shape[1] + edge
-    return _Edges(hand, x.take(begin), y.take(begin), x.take(begin + 1), y.take(begin + 1)).within(low, high)
 
 
 def _overlap(edges: _Edges, near: FloatArray, far: FloatArray) -> BoolArray:
     """Whether any of the edges passes between `near` and `far` (p,)."""
-    met = (np.maximum(edges.ay, edges.by) > near[edges.hand]) & (np.minimum(edges.ay, edges.by) < far[edges.hand])
-    return np.bincount(edges.hand[met], minlength=len(near)) > 0
+    met = (edges.top > near[edges.hand]) & (np.minimum(edges.ay, edges.by) < far[edges.hand])
+    return np.asarray(np.bincount(edges.hand[met], minlength=len(near)) > 0)
 
 
 def _holds(edges: _Edges, x: float, y: FloatArray) -> BoolArray:
     """Whether the points (x, y) (p,) lie inside: oddly many edges pass above."""
-    crossing = np.flatnonzero((edges.ax > x) != (edges.bx > x))
-    hand, ax, ay, bx, by = (column[crossing] for column in edges)
+    hand, ax, ay, bx, by = edges.select((edges.ax > x) != (edges.bx > x))
     above = ay + (x - ax) * (by - ay) / (bx - ax) > y[hand]
-    return np.bincount(hand[above], minlength=len(y)) % 2 == 1
+    return np.asarray(np.bincount(hand[above], minlength=len(y)) % 2 == 1)
 
 
-def _slope(pads: list[tuple[float, float, _Edges]], reach: FloatArray, tolerance_m: float) -> FloatArray:
-    """How steeply (p,) the object's side rises toward +x where it touches pads only at their edge; otherwise 0.
-
-    Each of the `pads` covers a strip, and what it may touch there.
-    """
+def _slope(pads: Sequence[_Pad], reach: FloatArray, tolerance_m: float) -> FloatArray:
+    """How steeply (p,) the object's side rises toward +x where it touches the pads only at their edge; otherwise 0."""
     count = len(reach)
-    hand, x, y, at_left, at_right = [], [], [], np.zeros(count, dtype=np.bool_), np.zeros(count, dtype=np.bool_)
+    hands, places, heights = [], [], []
+    at_left, at_right = np.zeros(count, dtype=np.bool_), np.zeros(count, dtype=np.bool_)
     for left, right, edges in pads:
-        for x_of, y_of in ((edges.ax, edges.ay), (edges.bx, edges.by)):
-            touched = np.flatnonzero(y_of >= reach[edges.hand] - tolerance_m)
-            hand.append(edges.hand[touched])
-            x.append(x_of[touched])
-            y.append(y_of[touched])
-            top = y[-1] >= reach[hand[-1]] - ON_EDGE_M
-            at_left[hand[-1][top & (x[-1] <= left + ON_EDGE_M)]] = True
-            at_right[hand[-1][top & (x[-1] >= right - ON_EDGE_M)]] = True
-    hands, places = np.concatenate(hand), np.concatenate(x)
-    breadth = _highest(hands, places, count) + _highest(hands, -places, count)
-    rise = reach + _highest(hands, -np.concatenate(y), count)
-    steep = at_right.astype(np.float64) - at_left
+        hand, x, y = np.tile(edges.hand, 2), np.append(edges.ax, edges.bx), np.append(edges.ay, edges.by)
+        touched = np.flatnonzero(y >= reach[hand] - tolerance_m)
+        hand, x, y = hand[touched], x[touched], y[touched]
+        top = y >= reach[hand] - ON_EDGE_M
+        at_left[hand[top & (x <= left + ON_EDGE_M)]] = True
+        at_right[hand[top & (x >= right - ON_EDGE_M)]] = True
+        hands.append(hand)
+        places.append(x)
+        heights.append(y)
+    hand, x, y = np.concatenate(hands), np.concatenate(places), np.concatenate(heights)
+    breadth = _highest(hand, x, count) + _highest(hand, -x, count)
     found = np.isfinite(breadth)
-    return np.where(found, steep * np.where(found, rise, 0.0) / np.where(found, breadth, 1.0).clip(SHORTEST_M), 0.0)
+    rise = np.where(found, reach + _highest(hand, -y, count), 0.0)
+    steep = at_right.astype(np.float64) - at_left
+    return np.asarray(steep * rise / np.where(found, breadth, 1.0).clip(SHORTEST_M))
 
 
 def _highest(hand: IntArray, values: FloatArray, count: int) -> FloatArray:

@@ -11,7 +11,7 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.profiles.uncertainty import Uncertainty
 
-NORMAL, UNIFORM = 7, 3
+NORMAL, UNIFORM = 7, 2
 """How many of a sample's numbers are normally, and how many are evenly distributed."""
 
 
@@ -20,7 +20,7 @@ class Errors:
     """All that is not known, s samples of it.
 
     The hand misses by `across` its closing axis, `along` it and in `height` (s,), metres, and is turned by `yaw` (s,),
-    radians. The pads' friction is `friction` (s,) times what is counted on. The object's sides are off by `outline`
+    radians. The object's sides are off by `outline`
     (s,), in standard deviations, its centre of gravity by `center` (s, 2), as a share of its length, and its mass is
     that of `density` (s,), kg/m³. `luck` (s,), 0 to 1, tells how much of what may be there really is.
     """
@@ -29,7 +29,6 @@ class Errors:
     along: FloatArray
     height: FloatArray
     yaw: FloatArray
-    friction: FloatArray
     outline: FloatArray
     center: FloatArray
     density: FloatArray
@@ -52,9 +51,8 @@ def errors_of(unsure: Uncertainty, seed: int) -> Errors:
         yaw=np.radians(unsure.yaw_deg) * normal[:, 3],
         outline=normal[:, 6],
         center=unsure.center_share * normal[:, 4:6],
-        friction=1 + unsure.friction_share * (2 * even[:, NORMAL] - 1),
-        density=low + (high - low) * even[:, NORMAL + 1],
-        luck=even[:, NORMAL + 2],
+        density=low + (high - low) * even[:, NORMAL],
+        luck=even[:, NORMAL + 1],
     )
 
 

@@ -6,13 +6,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
+from flatgrasp_cli.geometry.arrays import FloatArray
 
 STANDARD_GRAVITY = 9.80665
 STRESS = 1.5
 """The load of lifting, as a multiple of the weight: arms speed up and slow down by half of gravity."""
 MEAN_RADIUS = 0.27
 """The mean distance of a rectangle's points from its middle, in diagonals: 0.2706 of a square's, 0.25 of a line's."""
+
+LEAST_RADIUS_M = 1e-4
+"""Stands for that of pads that cover nothing."""
 
 
 class Load(NamedTuple):
@@ -26,22 +29,22 @@ class Load(NamedTuple):
     beyond: FloatArray
 
 
-class Failures(NamedTuple):
-    """(p, s): the object slips out by its weight, or it turns about the pads and so stays on the table."""
+class Needs(NamedTuple):
+    """Friction coefficients (p, s) that it takes to bear an object's weight, and to keep it from turning."""
 
-    weight: BoolArray
-    turns: BoolArray
+    weight: FloatArray
+    turning: FloatArray
 
 
-def lifting_failures(load: Load, bears: FloatArray, pads: FloatArray, lift_m: float) -> Failures:
-    """How p grips fail in s samples, each pad of which bears a friction of `bears` (s,) newtons.
+def friction_to_lift(load: Load, force_n: float, pads: FloatArray, lift_m: float) -> Needs:
+    """The friction that p grips need in s samples, whose fingers press with `force_n` newtons.
 
     `pads` (p, 2) are the width and the height that they cover, metres. Weight: 2·μ·N ≥ m·(g + a). Turning: evenly
     pressed pads bear the torque 2·μ·N·r, r being the mean distance from their middle; what turns nevertheless hangs
-    down from the hand, and is not lifted if it goes on for more than the lift's height `lift_m`.
+    down from the hand, and is lifted all the same unless it goes on for more than the lift's height `lift_m`.
     """
-    weight = load.mass * STANDARD_GRAVITY
+    weight = load.mass * STANDARD_GRAVITY / (2 * force_n)
     radius = MEAN_RADIUS * np.hypot(pads[:, 0], pads[:, 1])
-    turning = 2 * bears * radius[:, None] < weight * load.arm
-    too_heavy = np.broadcast_to(2 * bears < STRESS * weight, turning.shape)
-    return Failures(too_heavy, turning & (load.beyond > lift_m)[:, None])
+    turning = weight * load.arm / np.maximum(radius, LEAST_RADIUS_M)[:, None]
+    stays = (load.beyond > lift_m)[:, None]
+    return Needs(np.broadcast_to(STRESS * weight, turning.shape), np.where(stays, turning, 0.0))

@@ -16,8 +16,10 @@ from flatgrasp_cli.ranking.variety import differing
 TIE = 0.01
 """Probabilities that differ by less are equal: samples tell them apart no better."""
 CONTENDERS, APART_M, APART_DEG = 48, 0.005, 10.0
-"""Grasps of an object that are sampled: the best by the estimate of those that lie so far apart, metres and degrees, or
-are turned so much. The hand misses by more."""
+"""Grasps of an object that are tried at all: the best by the estimate of those that lie so far apart, metres, or are
+turned so much, degrees. The hand misses by more."""
+FINALISTS = 16
+"""And those that are tried with all samples: more than are listed."""
 ROOM_STEP_M, ROOM_STEPS = 0.001, 41
 """Steps of the table of how probable it is that the hand misses by less: 4 cm are more than it ever does."""
 LEAST_SPREAD = 1e-9
@@ -34,10 +36,17 @@ def best_first(grasps: GraspCandidates, situation: Situation) -> GraspCandidates
     order = by_probability(grasps.merit, grasps)
     apart = VarietySettings(apart_m=APART_M, apart_deg=APART_DEG)
     contenders = np.array(differing(grasps, order, apart, CONTENDERS), dtype=np.intp)
-    first = situation.tried(grasps.select(contenders))
-    first = first.having(merit=first.probability)
+    rough = _by_trial(grasps.select(contenders), situation.briefly)
+    sure = _by_trial(rough.first(FINALISTS), situation)
+    left = rough.select(np.arange(len(sure), len(rough)))
     others = order[~np.isin(order, contenders)]
-    return first.select(by_probability(first.probability, first)).followed_by(grasps.select(others))
+    return sure.followed_by(left).followed_by(grasps.select(others))
+
+
+def _by_trial(grasps: GraspCandidates, situation: Situation) -> GraspCandidates:
+    """The grasps in the order of how often they hold in that situation."""
+    tried = situation.tried(grasps)
+    return tried.having(merit=tried.probability).select(by_probability(tried.probability, tried))
 
 
 def by_probability(probability: FloatArray, grasps: GraspCandidates) -> IntArray:

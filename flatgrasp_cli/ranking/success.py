@@ -8,7 +8,7 @@ closure under errors of the pose (Weisz & Allen, "Pose error robust grasping fro
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,29 +19,39 @@ from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.ranking.closing import closed, moved
 from flatgrasp_cli.ranking.errors import Errors, errors_of
-from flatgrasp_cli.ranking.lifting import Load, lifting_failures
+from flatgrasp_cli.ranking.lifting import Load, friction_to_lift
 from flatgrasp_cli.surroundings.interface import Surroundings
 
 CLEAR, CLOSES, LIFTS = ("lands_on_object", "stopped_short"), ("closes_beside", "slips"), ("too_heavy", "turns")
 CAUSES = (*CLEAR, *CLOSES, *LIFTS)
 """What a grasp fails by, in the order of carrying it out: only the first counts."""
+NO_SPREAD = 1e-9
+"""Stands for a spread of 0: what is needed is there or not."""
 LEAST_HELD_M = 0.001
 """Pads that hold less height than this, metres, hold nothing: a height map's noise."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Situation:
-    """What grasps are carried out on, among what, and with which hand."""
+    """What grasps are carried out on, among what, and with which hand; and with which `share` of the samples."""
 
     shape: PlaneShape
     surroundings: Surroundings
     gripper: Gripper
     settings: PlannerSettings
 
+    share: float = 1.0
+
+    @property
+    def briefly(self) -> Situation:
+        """The same, with a quarter of the samples: their first, which are spread evenly, too."""
+        return replace(self, share=0.25)
+
     @property
     def errors(self) -> Errors:
         """The samples of what is not known, the same for all grasps."""
-        return errors_of(self.settings.uncertainty.figures, self.settings.seed)
+        unsure = self.settings.uncertainty.figures
+        return errors_of(replace(unsure, samples=max(1, round(self.share * unsure.samples))), self.settings.seed)
 
     def tried(self, grasps: GraspCandidates, tolerances: Sequence[Tolerance | None] = ()) -> GraspCandidates:
         """The k grasps with `success`, `causes` and `probability`.
@@ -49,22 +59,19 @@ class Situation:
         `tolerances` say of each how far a hand may miss that comes into a cage's basin, where it does: then closing
         ends in the grasp.
         """
-        failures = self._failures(grasps, _inside(tolerances, grasps, self.errors))
-        held = np.ones((len(grasps), len(self.errors)), dtype=np.bool_)
-        causes, left = np.empty((len(grasps), len(CAUSES))), np.empty((len(grasps), len(CAUSES)))
-        for n, cause in enumerate(CAUSES):
-            causes[:, n] = (held & failures[cause]).mean(axis=1)
-            held &= ~failures[cause]
-            left[:, n] = held.mean(axis=1)
+        chances = self._chances(grasps, _inside(tolerances, grasps, self.errors))
+        left = np.column_stack([chance.mean(axis=1) for chance in chances])
+        causes = -np.diff(left, axis=1, prepend=1.0)
         after = left[:, np.cumsum([len(CLEAR), len(CLOSES), len(LIFTS)]) - 1]
         before = np.column_stack([np.ones(len(grasps)), after[:, :-1]])
         success = np.divide(after, before, out=np.ones_like(after), where=before > 0)
         return grasps.having(success=success, causes=causes, probability=left[:, -1])
 
-    def _failures(self, grasps: GraspCandidates, inside: BoolArray) -> dict[str, BoolArray]:
-        """Whether each of k grasps fails in each of s samples by each cause, were it the only one (k, s).
+    def _chances(self, grasps: GraspCandidates, inside: BoolArray) -> list[FloatArray]:
+        """How probably k grasps have not failed yet in s samples, (k, s) after each of the `CAUSES`.
 
-        Where the hand is `inside` (k, s) a basin, closing ends in the grasp, and its two sides are opposed again.
+        Where the hand is `inside` (k, s) a basin, closing ends in the grasp, and its two sides are opposed again. What
+        depends on friction alone, or on what was not seen, is a chance in each sample; all else is 0 or 1 there.
         """
         errors, each = self.errors, inside.shape
         center, axis = moved(grasps.center, grasps.axis, errors)
@@ -76,23 +83,29 @@ class Situation:
         )
         found = closed(self.shape.silhouette.loops, hands, self.gripper, self.settings.hand.contact_tolerance_m)
         stops = self.surroundings.stopped(hands, self.gripper)
+        dark = stops.dark.reshape(each)
         hidden = errors.luck * grasps.hidden.max(axis=1)[:, None]
         held = self._held_m(grasps, np.maximum(hands.tip, stops.height).reshape(each))
-        occupied = stops.dark.reshape(each) * self.settings.uncertainty.figures.occupied_share > errors.luck
-        friction = self.settings.balance.friction_with(self.gripper) * errors.friction
         wedge = np.where(inside, 0.0, np.tan(found.wedge).reshape(each))
         force_n = self.gripper.max_force_n or self.settings.uncertainty.figures.force_n
         pads = np.column_stack([np.full(len(grasps), self.gripper.finger_width_m), self._grip_m(grasps)])
-        load = self._load(center, axis)
-        lifting = lifting_failures(load, friction * force_n, pads, self.settings.depth.lift_m)
-        return {
-            "lands_on_object": ~found.free.reshape(each) | (found.room.reshape(each) < hidden),
-            "stopped_short": (held < LEAST_HELD_M) | occupied,
-            "closes_beside": ~found.between.reshape(each) & ~inside,
-            "slips": np.hypot(wedge, self._lean(grasps, held)) > friction,
-            "too_heavy": lifting.weight,
-            "turns": lifting.turns,
-        }
+        to_lift = friction_to_lift(self._load(center, axis), force_n, pads, self.settings.depth.lift_m)
+        beside = np.where(found.free.reshape(each) & (found.room.reshape(each) >= hidden), 1.0, 0.0)
+        down = beside * (held >= LEAST_HELD_M) * (1 - self.settings.uncertainty.figures.occupied_share * dark)
+        around = down * (found.between.reshape(each) | inside)
+        chances, need = [beside, down, around], np.zeros(each)
+        for more in (np.hypot(wedge, self._lean(grasps, held)), to_lift.weight, to_lift.turning):
+            need = np.maximum(need, more)
+            chances.append(around * self._rubs(need))
+        return chances
+
+    def _rubs(self, need: FloatArray) -> FloatArray:
+        """How probable it is that the pads' friction is more than `need` (…)."""
+        usual, spread = (
+            self.settings.balance.friction_with(self.gripper),
+            self.settings.uncertainty.figures.friction_share,
+        )
+        return np.asarray(((1 + spread - need / usual) / max(2 * spread, NO_SPREAD)).clip(0.0, 1.0))
 
     def _grip_m(self, grasps: GraspCandidates) -> FloatArray:
         """How much of the object's height the pads of k hands cover (k,), metres; of an object alone all they can."""

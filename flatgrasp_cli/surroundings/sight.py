@@ -36,6 +36,8 @@ LIMB_M = 0.012
 """Length of the profile, metres, over which the slope at the limb is measured: six cells, for one of them is noise."""
 LOST_DEG = 15.0
 """A surface is last seen where it makes this angle with the ray, degrees: depth sensors return nothing at less."""
+ALIKE = 0.5
+"""Cosine of the angle within which neighbours look the same way: 60 degrees, more than a corner of the shadow has."""
 ROUND_SHARE = 0.2
 """A surface ends at an edge if its mean slope near the limb is less than this share of that at the limb. On a can it is
 more than half; on a flat top it is zero but for the outermost cell, which the edge makes lower."""
@@ -137,8 +139,18 @@ def hidden_extent(
         u = np.sqrt(1 - c**2)
         beyond = half * u * (1 - u) / (c * slope)
     rounded = np.isfinite(beyond) & (measured > ROUND_SHARE * slope) & (slope > 0) & (c > 0)
-    extent[rows] = np.where(rounded, np.clip(beyond, 0.0, MOST_M), 0.0)
+    extent[rows] = _with_neighbours(fingers, np.where(rounded, np.clip(beyond, 0.0, MOST_M), 0.0))
     return extent
+
+
+def _with_neighbours(fingers: FingerCandidates, extent: FloatArray) -> FloatArray:
+    """The largest `extent` (m,) of the candidates that a finger there would stand before, too, and that look its way.
+
+    At a corner of the shadow a profile runs off the object's side, and tells nothing.
+    """
+    near = np.linalg.norm(fingers.contact[:, None] - fingers.contact, axis=2) <= fingers.width[:, None]
+    alike = fingers.direction @ fingers.direction.T > ALIKE
+    return np.asarray(np.where(near & alike, extent, 0.0).max(axis=1, initial=0.0))
 
 
 def _limb_slope(fingers: FingerCandidates, limb: FloatArray, viewpoint: FloatArray) -> FloatArray:

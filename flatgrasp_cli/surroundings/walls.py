@@ -44,9 +44,12 @@ class Walls(NamedTuple):
 
         Metres, from the first place that heights are known at; those that never do begin behind the last.
         """
-        reached = self.profile[:, rows] >= levels
-        first = np.where(reached.any(axis=0), reached.argmax(axis=0), len(INWARD_M) - 1)
-        return np.asarray(INWARD_M[first] - INWARD_M[0])
+        profile = self.profile[:, rows]
+        above = np.where((profile >= levels).any(axis=0), (profile >= levels).argmax(axis=0), len(INWARD_M) - 1)
+        below, columns = np.maximum(above - 1, 0), np.arange(len(rows))
+        low, high = profile[below, columns], profile[above, columns]
+        share = ((levels - low) / np.where(high > low, high - low, 1.0)).clip(0.0, 1.0)
+        return np.asarray(INWARD_M[below] + share * (INWARD_M[above] - INWARD_M[below]) - INWARD_M[0])
 
 
 def pad_places(fingers: FingerCandidates, inward: FloatArray, along: FloatArray) -> tuple[FloatArray, FloatArray]:
