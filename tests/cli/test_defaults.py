@@ -63,12 +63,12 @@ def test_a_named_file_stands_in_for_the_users_own(home: Path, run: Run, monkeypa
 def test_settings_add_up_and_the_nearest_word_wins(home: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     written(
         home / "flatgrasp.yaml",
-        "set:\n  fingers: {step_m: 0.004}\n  depth.approach_m: 0.05\n  caging: {prefer: cage}\n  seed: 7\n",
+        "set:\n  fingers: {step_m: 0.004}\n  depth.approach_m: 0.05\n  ranking: {prefer: cage}\n  seed: 7\n",
     )
     monkeypatch.setenv("FLATGRASP_SET", "seed=8 balance.friction=0.4")
-    settings = document(run("plan", BOX, "--json", "--prefer", "cost", "--set", "balance.friction=0.3"))["settings"]
+    settings = document(run("plan", BOX, "--json", "--prefer", "success", "--set", "balance.friction=0.3"))["settings"]
     assert (settings["fingers"]["step_m"], settings["depth"]["approach_m"]) == (0.004, 0.05)
-    assert (settings["seed"], settings["balance"]["friction"], settings["caging"]["prefer"]) == (8, 0.3, "cost")
+    assert (settings["seed"], settings["balance"]["friction"], settings["ranking"]["prefer"]) == (8, 0.3, "success")
 
 
 def test_any_option_may_be_in_the_file(home: Path, run: Run) -> None:

@@ -100,12 +100,12 @@ class TestPlan:
         assert result.best is small.grasps[0]
         assert result.reason is None
 
-    def test_costs_order_the_objects(self, pr2: Gripper) -> None:
+    def test_what_most_probably_holds_orders_the_objects(self, pr2: Gripper) -> None:
         result = plan(
             Camera().sees(TABLE, Box((-0.1, 0, 0.02), (0.1, 0.04, 0.04)), Box((0.1, 0, 0.02), (0.1, 0.07, 0.04))), pr2
         )
-        costs = [item.grasps[0].cost_m for item in result.objects]
-        assert costs == sorted(costs)
+        holds = [item.grasps[0].success.probability for item in result.objects]
+        assert holds == sorted(holds, reverse=True)
         assert result.objects[0].grasps[0].position[0] < 0
 
     def test_without_any_grasp_it_says_why(self, pr2: Gripper) -> None:
@@ -333,7 +333,7 @@ class Nothing:
         return {}
 
 
-@pytest.mark.parametrize("options", [(), ("caging.prefer=cage",), ("method=allen",)])
+@pytest.mark.parametrize("options", [(), ("ranking.prefer=cage",), ("method=allen",)])
 def test_no_grasp_depends_on_the_diagnostics(
     options: tuple[str, ...], pr2: Gripper, monkeypatch: pytest.MonkeyPatch
 ) -> None:

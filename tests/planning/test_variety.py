@@ -32,7 +32,7 @@ def test_of_a_bar_grasps_a_fingers_width_apart_are_listed(pr2: Gripper) -> None:
     assert np.ptp([grasp.position[0] for grasp in grasps]) > 60 * MM
 
 
-@pytest.mark.parametrize("options", [(), ("caging.prefer=cage",)])
+@pytest.mark.parametrize("options", [(), ("ranking.prefer=cage",)])
 def test_each_grasp_left_out_is_like_a_better_one(options: tuple[str, ...], pr2: Gripper) -> None:
     cloud = cloud_of(sampled(rectangle(120, 40)))
     listed = plan(cloud, pr2, load_settings("default", options), top=1000).objects[0].grasps

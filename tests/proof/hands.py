@@ -18,7 +18,7 @@ EXACT = 1e-9
 
 def caging_settings(**changes: object) -> CagingSettings:
     values = {"closing": "inward", "tolerance_m": 0.0, "max_vertices": 300, "noise_m": 0.001, "told_apart_m": 1e-6}
-    chosen = {"certify": True, "prefer": "cost", "require": False, "mass_kg": None, "considered": 60}
+    chosen = {"certify": True, "require": False, "mass_kg": None, "considered": 60}
     return CagingSettings.model_validate(chosen | values | changes)
 
 

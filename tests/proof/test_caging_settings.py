@@ -73,5 +73,5 @@ def test_an_outline_has_120_vertices_and_not_much_less_if_it_needs_more() -> Non
 
 def test_where_cages_decide_60_grasps_compete(pr2: Gripper) -> None:
     (pan,) = read_clouds(SAMPLES / "pan.pcd")
-    found = plan(pan, pr2, load_settings("default", ("caging.prefer=cage", *EACH)), top=1000)
+    found = plan(pan, pr2, load_settings("default", ("ranking.prefer=cage", *EACH)), top=1000)
     assert len(found.objects[0].grasps) == 60

@@ -77,14 +77,14 @@ def test_a_convex_outline_cages_nothing_and_says_so(pr2: Gripper) -> None:
 
 def test_preferred_cages_come_first(pr2: Gripper) -> None:
     (drill,) = read_clouds(SAMPLES / "electric_drill.pcd")
-    by_cost, by_cage = best(drill, pr2), best(drill, pr2, "caging.prefer=cage")
+    by_success, by_cage = best(drill, pr2), best(drill, pr2, "ranking.prefer=cage")
     assert is_caged(by_cage.cage)
     assert by_cage.cage is not None
     assert by_cage.cage.tolerance is not None
-    if is_caged(by_cost.cage):
-        assert by_cost.cage is not None
-        assert by_cost.cage.tolerance is not None
-        assert by_cage.cage.tolerance.position_m >= by_cost.cage.tolerance.position_m
+    if is_caged(by_success.cage):
+        assert by_success.cage is not None
+        assert by_success.cage.tolerance is not None
+        assert by_cage.cage.tolerance.position_m >= by_success.cage.tolerance.position_m
     required = plan(drill, pr2, load_settings("default", ("caging.require=true",)))
     assert required.objects[0].grasps
     for grasp in required.objects[0].grasps:
@@ -244,9 +244,9 @@ def test_points_on_a_line_are_called_that(run: Run, tmp_path: Path) -> None:
     assert json.loads(run("cage", line, "--json").out)["reason"] == "all 50 points lie on a line"
 
 
-@pytest.mark.parametrize("options", [("caging.prefer=cage",), ("method=allen",)])
+@pytest.mark.parametrize("options", [("ranking.prefer=cage",), ("method=allen",)])
 def test_the_best_of_all_slices_wins(options: tuple[str, ...], pr2: Gripper, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Neither what cages forgive nor the point fingers' cost grows with height: no slice may be left out."""
+    """Neither what cages forgive nor the depth of the point fingers' cages has a most: no slice may be left out."""
     (cloud,) = read_clouds(SAMPLES / "pan_on_table.pcd")
     seen: list[answers.Answer] = []
     real = answers._answer
@@ -257,10 +257,11 @@ def test_the_best_of_all_slices_wins(options: tuple[str, ...], pr2: Gripper, mon
 
     monkeypatch.setattr(answers, "_answer", watched)
     winner = best(cloud, pr2, *options)
-    costs = [each.grasps.cost[0] for each in seen if each.grasps is not None]
-    assert len(costs) > 1
+    found = [each.grasps for each in seen if each.grasps is not None]
+    assert len(found) > 1
     if options == ("method=allen",):
-        assert winner.cost_m == min(costs)
+        deepest = max(found, key=lambda grasps: float(grasps.merit[0]))
+        assert winner.width_m == deepest.width[0]
         return
     settings = load_settings("default", options).resolve(pr2)
     forgiven = []

@@ -97,7 +97,7 @@ def test_of_two_stances_half_a_turn_apart_one_takes_the_twin(block: Cloud, pr2: 
 
 def placed(gripper: Gripper, **values: Any) -> Grasp:
     """A grasp at (0.4, 0.2, 0.1) straight from above, its closing axis along y, 40 mm wide."""
-    names = ("force_balance_deg", "torque_arm_m", "required_friction", "variance_m", "gravity_distance_m", "cost_m")
+    names = ("force_balance_deg", "torque_arm_m", "required_friction", "variance_m", "gravity_distance_m")
     measured: dict[str, Any] = dict.fromkeys((*names, "inside_share", "arc_ratio"), 0.0)
     tips = Pose(np.array([0.4, 0.2, 0.1]), np.array([0.0, 1.0, 0.0, 0.0]))
     reached = values.get("reach")
