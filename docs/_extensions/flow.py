@@ -39,7 +39,7 @@ PASSED = ("Sensor", "Objects", "Grasps", "Poses", "Plan")
 """What goes from each working room to the next."""
 ASKED = (
     Room("surroundings", ("what stands around it,", "and what of that was seen")),
-    Room("ranking", ("what makes one grasp", "better than another")),
+    Room("ranking", ("how probable it is", "that a grasp holds")),
     Room("methods", ("the paper's, and its", "reference [1], by name")),
     Room("funnel", ("what each stage keeps,", "and why nothing is left")),
 )

@@ -1,7 +1,7 @@
 """Beyond the paper: what stands around an object along an approach direction, and what of it was seen.
 
 `places` tells what the method runs on. The `Surroundings` of a place answer what the method asks: at which sides
-fingers can stand, whether the object's thickness was seen, how far the hand can come, and what that costs.
+fingers can stand, whether the object's thickness was seen, how far the hand can come, and what stops one that misses.
 """
 
 from flatgrasp_cli.surroundings.alone import Alone

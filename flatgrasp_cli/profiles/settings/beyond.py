@@ -81,7 +81,7 @@ class CagingSettings(Profile):
     require: bool
     """Whether a grasp without a cage is none."""
     considered: Annotated[int, Field(ge=1, le=1000)]
-    """The number of the cheapest grasps that compete when cages decide."""
+    """The number of the best grasps that compete when cages decide."""
     closing: Literal["inward", "outward"]
     """Whether the fingers close on the object or open in a notch or a hole of it."""
     tolerance_m: Length

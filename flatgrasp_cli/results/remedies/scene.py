@@ -51,4 +51,4 @@ def other_view(_plan: Plan, _item: ObjectPlan, _rejection: Rejection) -> str:
 
 def unseen(_plan: Plan, _item: ObjectPlan, _rejection: Rejection) -> str:
     """Where hidden ways are refused."""
-    return f"--set depth.unseen=rank lets hidden ways cost more instead; or {OTHER_VIEW}"
+    return f"--set depth.unseen=rank lets such grasps hold less probably instead; or {OTHER_VIEW}"
