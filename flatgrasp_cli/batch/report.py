@@ -244,4 +244,5 @@ def _object(thing: dict[str, Any]) -> str:
     """An object in a line."""
     if "pose" not in thing:
         return f"{thing['id']}: no grasp: {escape(thing['reason'] or '')}"
-    return f"{thing['id']}: {1000 * thing['width_m']:.0f} mm wide, opens {1000 * thing['opening_m']:.0f} mm"
+    line = f"{thing['id']}: {1000 * thing['width_m']:.0f} mm wide, opens {1000 * thing['opening_m']:.0f} mm"
+    return line + (f", holds with {100 * thing['success']['probability']:.0f} %" if thing["success"] else "")

@@ -60,7 +60,7 @@ def _object_values(thing: dict[str, Any]) -> Row:
         values |= dict(zip(("qx", "qy", "qz", "qw"), orientation, strict=True))
         values |= {key: thing[key] for key in ("width_m", "opening_m")}
         values |= {key: value for key, value in thing["metrics"].items() if key in REAL}
-        values["probability"] = (thing["success"] or {}).get("probability")
+        values["probability"] = thing["success"] and thing["success"]["probability"]
     return values
 
 

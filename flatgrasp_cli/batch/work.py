@@ -88,7 +88,7 @@ def _object_record(item: dict[str, Any]) -> dict[str, Any]:
     record["stage"] = miss and miss["stage"]
     if best is not None:
         record |= {"pose": best["pose"], "width_m": best["width_m"], "opening_m": best["opening_m"]}
-        record["metrics"] = best["metrics"]
+        record |= {"success": best["success"], "metrics": best["metrics"]}
     return record
 
 

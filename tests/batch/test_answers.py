@@ -76,6 +76,7 @@ def test_every_object_of_a_scene_is_in_the_report(run: Run) -> None:
         best = thing["grasps"][0] if thing["grasps"] else None
         line = f"{1000 * best['width_m']:.0f} mm wide" if best else "no grasp: "
         assert f"<li>{thing['id']}: {line}" in page
+        assert best is None or f"holds with {100 * best['success']['probability']:.0f} %" in page
     assert 'href="./table_scene.pcd/cloud.grasps.png"' in page
 
 
@@ -145,7 +146,8 @@ def test_the_table_has_a_row_for_each_object(
     best = document["objects"][0]["grasps"][0]
     assert float(rows[0]["width_m"]) == best["width_m"]
     assert [float(rows[0][name]) for name in ("qx", "qy", "qz", "qw")] == best["pose"]["orientation"]
-    assert rows[1]["width_m"] in (None, "")
+    assert float(rows[0]["probability"]) == best["success"]["probability"]
+    assert (rows[1]["width_m"] or "", rows[1]["probability"] or "") == ("", "")
     assert "opens 0.090 m" in rows[1]["reason"]
 
 

@@ -34,12 +34,15 @@ document.body.append(Object.assign(document.createElement("pre"), {id: "found", 
 </body>"""
 
 
+GRASP: dict[str, Any] = {"pose": {}, "width_m": 0.03, "opening_m": 0.05, "success": {"probability": 0.97}}
+
+
 def frame(*stages: str | None) -> dict[str, Any]:
     """A frame's record, of objects that were lost at a stage, or, for None, have a grasp."""
     things: list[dict[str, Any]] = [
         {"id": k, "status": "no_grasp", "stage": stage, "reason": f"lost at {stage}"}
         if stage
-        else {"id": k, "status": "ok", "stage": None, "pose": {}, "width_m": 0.03, "opening_m": 0.05}
+        else {"id": k, "status": "ok", "stage": None, **GRASP}
         for k, stage in enumerate(stages)
     ]
     status = "ok" if None in stages else "no_grasp"

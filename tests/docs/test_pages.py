@@ -5,16 +5,20 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterator
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import flow
+import numpy as np
 import pytest
 import reference
 
 from flatgrasp_cli import errors
 from flatgrasp_cli.interrupts import INTERRUPTED
 from flatgrasp_cli.profiles import list_profiles
+from flatgrasp_cli.profiles.uncertainty import Uncertainty
+from flatgrasp_cli.ranking import CAUSES
 from flatgrasp_cli.results.contracts import json_schema
 from flatgrasp_cli.robot.reach import LIMITS
 from flatgrasp_cli.simulation.samples import SAMPLES
@@ -79,6 +83,19 @@ def test_every_warning_is_listed_once() -> None:
             codes.add(named[code.id] if isinstance(code, ast.Name) else str(code.value))
     assert "sensor_assumed" in codes
     assert sorted(listed("stages.md", "Warnings")) == sorted(codes)
+
+
+def test_every_way_to_fail_is_listed_in_its_order() -> None:
+    assert tuple(listed("method.md", "What a grasp fails by")) == CAUSES
+
+
+def test_every_error_is_listed_with_what_is_usual() -> None:
+    usual = asdict(Uncertainty())
+    comments = reference._comments(reference.CONFIGS / "planner" / "default.yaml")
+    for name, value in usual.items():
+        figures = " to ".join(f"{figure:g}" for figure in np.atleast_1d(value))
+        assert comments["uncertainty", name].startswith(f"usually {figures}:")
+    assert listed("method.md", "What is not known") == [f"uncertainty.{name}" for name in usual if name != "samples"]
 
 
 def test_every_limit_of_an_arm_is_listed_in_its_order() -> None:

@@ -6,7 +6,7 @@ from typing import Literal, NotRequired
 
 from flatgrasp_cli.profiles import CameraPose, Gripper, PlannerSettings, Robot
 from flatgrasp_cli.results.contracts.base import Number, Part, Status
-from flatgrasp_cli.results.contracts.grasps import MetricsPart, PosePart
+from flatgrasp_cli.results.contracts.grasps import MetricsPart, PosePart, SuccessPart
 from flatgrasp_cli.results.contracts.plan import TimingPart
 
 SCHEMA_ID: Literal["flatgrasp.batch/1"] = "flatgrasp.batch/1"
@@ -82,6 +82,8 @@ class RecordObjectPart(Part):
     """How wide it is between the pads then, metres."""
     opening_m: NotRequired[Number]
     """How far to open the hand before, between the pads, metres."""
+    success: NotRequired[SuccessPart | None]
+    """How probably that grasp holds; null for a method that knows no hand (`allen`)."""
     metrics: NotRequired[MetricsPart]
     """What the method measured of that grasp."""
 
