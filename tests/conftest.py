@@ -79,6 +79,12 @@ def planned_sample(name: str, gripper: str = "pr2", method: str = "default") -> 
     return plan(next(read_clouds(SAMPLES / f"{name}.pcd")), load_gripper(gripper), load_settings(method))
 
 
+def holds(grasp: Grasp) -> float:
+    """How probable it is that a grasp holds."""
+    assert grasp.success is not None
+    return grasp.success.probability
+
+
 def pytest_collection_finish() -> None:
     """Look for garbage less often, and not among the modules and tests: that would take a tenth of the time."""
     gc.collect()

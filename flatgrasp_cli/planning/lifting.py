@@ -91,7 +91,9 @@ def _success(grasps: GraspCandidates, k: int) -> Success | None:
         return None
     clear, closes, lifts = grasps.success[k].tolist()
     causes = dict(zip(CAUSES, grasps.causes[k].tolist(), strict=True))
-    return Success(float(grasps.probability[k]), clear, closes, lifts, causes)
+    return Success(
+        probability=float(grasps.probability[k]), clear=clear, closes=closes, lifts=lifts, causes=causes
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -61,15 +61,16 @@ class UncertaintySettings(HandUncertainty):
     outline_m: Length | None = None
     """Standard deviation of where the object's sides are, metres: the sensor's noise."""
     density_kg_m3: tuple[Density, Density] | None = None
-    """The least and the largest mean density of objects, with their hollows, unless `caging.mass_kg` is given."""
+    """The least and the largest mean density of objects, with their hollows, kilograms per m³, unless `caging.mass_kg` is
+    given."""
     center_share: Spread | None = None
     """Standard deviation of the centre of gravity, as a share of the object's length, on each axis."""
     occupied_share: Spread | None = None
-    """How probable it is that something stands where no ray of the sensor came."""
+    """The share of places that no ray of the sensor reached in which something stands."""
     force_n: Annotated[float, Field(ge=0.01, le=1e5)] | None = None
     """With what force the fingers press if the gripper's profile has no `max_force_n`, newtons."""
     samples: Annotated[int, Field(ge=1, le=4096)] | None = None
-    """How often each grasp that may win is tried in thought."""
+    """The number of times that each grasp which may win is tried in thought."""
 
     @property
     def figures(self) -> Uncertainty:

@@ -53,7 +53,7 @@ class _Edges(NamedTuple):
 
     def select(self, keep: BoolArray | IntArray) -> _Edges:
         """Those that a mask or an index array names."""
-        return _Edges(self.hand[keep], self.ax[keep], self.ay[keep], self.bx[keep], self.by[keep])
+        return _Edges(*(column[keep] for column in self))
 
     def within(self, low: float, high: float) -> _Edges:
         """Those that meet a narrower strip, cut to it."""
@@ -62,7 +62,9 @@ class _Edges(NamedTuple):
         run = bx - ax
         slope = (by - ay) / np.where(run == 0, 1.0, run)
         from_x, to_x = ax.clip(low, high), bx.clip(low, high)
-        return _Edges(hand, from_x, ay + slope * (from_x - ax), to_x, by + slope * (to_x - bx))
+        return _Edges(
+            hand=hand, ax=from_x, ay=ay + slope * (from_x - ax), bx=to_x, by=by + slope * (to_x - bx)
+        )
 
     @property
     def top(self) -> FloatArray:

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 ROWS = 5
-SHORT = ("object", "rank", "holds\n%", "width\nmm", "open\nmm", "needs\nμ", "position x y z\nm")
-WIDE = (*SHORT, "force balance\n°", "gravity\nmm", "approach x y z\n")
+SHORT = ("object", "rank", "holds\n%", "width\nmm", "open\nmm", "position x y z\nm")
+WIDE = (*SHORT, "needs\nμ", "force balance\n°", "gravity\nmm", "approach x y z\n")
 JOINTS = "joints\n°"
 
 
@@ -52,7 +52,6 @@ def _short(grasp: Grasp) -> tuple[str, ...]:
         "" if grasp.success is None else f"{100 * grasp.success.probability:.0f}",
         f"{1e3 * grasp.width_m:.1f}",
         f"{1e3 * grasp.opening_m:.1f}",
-        f"{grasp.required_friction:.2f}",
         " ".join(f"{value:z6.3f}" for value in grasp.position),
     )
 
@@ -60,6 +59,7 @@ def _short(grasp: Grasp) -> tuple[str, ...]:
 def _more(grasp: Grasp) -> tuple[str, ...]:
     approach = axes_from_quaternion(grasp.orientation)[2]
     return (
+        f"{grasp.required_friction:.2f}",
         f"{grasp.force_balance_deg:.1f}",
         f"{1e3 * grasp.gravity_distance_m:.1f}",
         " ".join(f"{value:z5.2f}" for value in approach),

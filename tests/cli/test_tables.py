@@ -67,8 +67,11 @@ def test_a_grasp_is_one_line_of_what_the_document_says(run: Run) -> None:
     first, item, grasp = done.out.splitlines(), result.objects[0], result.objects[0].grasps[0]
     assert first[0] == f"{SCENE} · pr2: two fingers on an arc" or first[0] == str(SCENE)
     best = next(line for line in first if line.split()[:2] == [str(item.object.id), "1"])
-    numbers = [1e3 * grasp.width_m, 1e3 * grasp.opening_m, grasp.required_friction, *grasp.position]
-    assert [float(word) for word in best.split()[2:]] == pytest.approx(numbers, abs=0.051)
+    assert grasp.success is not None
+    holds, *words = best.split()[2:]
+    assert holds == f"{100 * grasp.success.probability:.0f}"
+    numbers = [1e3 * grasp.width_m, 1e3 * grasp.opening_m, *grasp.position]
+    assert [float(word) for word in words] == pytest.approx(numbers, abs=0.051)
     refused = result.objects[-1]
     assert refused.rejection is not None
     assert f"object {refused.object.id}: no grasp: {refused.rejection.reason[:20]}" in done.out

@@ -12,7 +12,8 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import Grasp
 from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.profiles import Gripper
-from tests.conftest import EACH, I_BEAM, L_SHAPE, MM, THICKNESS_M, cloud_of, disc, rectangle, sampled
+from flatgrasp_cli.proof import is_caged
+from tests.conftest import EACH, I_BEAM, L_SHAPE, MM, THICKNESS_M, cloud_of, disc, holds, rectangle, sampled
 
 
 def best(result: Plan) -> Grasp:
@@ -53,10 +54,14 @@ def test_the_hand_comes_from_the_sensors_side(pr2: Gripper) -> None:
 
 
 @pytest.mark.parametrize("name", ["pr2", "lacquey"])
-def test_an_i_beam_is_grasped_at_its_neck(name: str, request: pytest.FixtureRequest) -> None:
+def test_an_i_beam_is_caged_at_its_neck(name: str, request: pytest.FixtureRequest) -> None:
+    """Which leaves fingers of 20 mm a centimetre on either side: a hand that misses lands on the beam's flanges."""
     gripper = request.getfixturevalue(name)
     slim = gripper.model_copy(update={"jaws": ((0.0,), (0.0,)), "finger_width_m": 0.02})
-    grasp = best(plan(cloud_of(sampled(I_BEAM)), slim))
+    cloud = cloud_of(sampled(I_BEAM))
+    grasp = best(plan(cloud, slim, load_settings("default", ("ranking.prefer=cage",))))
+    assert holds(best(plan(cloud, slim))) > holds(grasp) + 0.01
+    assert is_caged(grasp.cage)
     assert grasp.width_m == pytest.approx(30 * MM, abs=0.5 * MM)
     assert abs(closing_axis(grasp)[0]) > 0.99
     assert grasp.gravity_distance_m < 2 * MM

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from pydantic import TypeAdapter
 from flatgrasp_cli import load_gripper, plan
 from flatgrasp_cli.geometry.polygon import signed_area
 from flatgrasp_cli.planning import Plan
+from flatgrasp_cli.ranking import TIE
 from flatgrasp_cli.results.contracts import json_schema
 from flatgrasp_cli.results.contracts.plan import Document
 from flatgrasp_cli.results.document import to_document, to_json

@@ -161,7 +161,7 @@ def test_the_hand_comes_from_above_and_leaves_the_slot_alone(name: str, tmp_path
     document = json.loads(ended.out)
     assert document["sensor"]["known_from"] == "all_sides"
     grasps = document["objects"][0]["grasps"]
-    assert grasps[0]["width_m"] == pytest.approx(0.020, abs=0.001)
+    assert grasps[0]["width_m"] == pytest.approx(0.020, abs=0.0015)  # 3 degrees aslant it is still held
     for grasp in grasps:
         x, y, _, _ = grasp["pose"]["orientation"]
         assert 1 - 2 * (x * x + y * y) == pytest.approx(-1.0, abs=0.02)  # the approach's z

@@ -55,33 +55,34 @@ class MetricsPart(Part):
 
 
 class CausesPart(Part):
-    """What a grasp fails by, and how probably; with `probability` they sum to 1."""
+    """What a grasp fails by, as shares of all cases, from 0 to 1; with `probability` they sum to 1."""
 
     lands_on_object: Number
-    """A fingertip comes down on the object itself, a chance from 0 to 1."""
+    """The share of cases in which a fingertip comes down on the object itself."""
     stopped_short: Number
-    """Something else stops fingers or palm so high that the pads hold nothing, or unseen space was occupied."""
+    """The share in which something else stops fingers or palm so high that the pads hold nothing, or stands where no ray
+    came."""
     closes_beside: Number
-    """The object is not between the fingers."""
+    """The share in which the object is not between the fingers."""
     slips: Number
-    """Its sides lean by more than friction holds."""
+    """The share in which its sides lean by more than friction holds."""
     too_heavy: Number
-    """Friction does not bear its weight."""
+    """The share in which friction does not bear its weight."""
     turns: Number
-    """It turns about the pads, and one end stays on the table."""
+    """The share in which it turns about the pads, and one end stays on the table."""
 
 
 class SuccessPart(Part):
     """How probable it is that the grasp holds, with the settings' `uncertainty`."""
 
     probability: Number
-    """That the object is held and lifted: `clear` · `closes` · `lifts`."""
+    """The share of cases in which the object is held and lifted, from 0 to 1: `clear` · `closes` · `lifts`."""
     clear: Number
-    """That the open hand comes to stand where it can close."""
+    """The share in which the open hand comes to stand where it can close."""
     closes: Number
-    """That closing it there holds the object."""
+    """The share of those in which closing it there holds the object."""
     lifts: Number
-    """That the object then comes up with the hand."""
+    """The share of those in which the object then comes up with the hand."""
     causes: CausesPart
     """What happens otherwise."""
 
