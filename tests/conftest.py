@@ -22,7 +22,7 @@ from flatgrasp_cli import Plan, plan, read_clouds
 from flatgrasp_cli.cli import run as run_here
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame
-from flatgrasp_cli.model import Cloud, Source
+from flatgrasp_cli.model import Cloud, Grasp, Source
 from flatgrasp_cli.profiles import Gripper, PlannerSettings, load_gripper, load_settings
 
 # the command is started many times, and compiled once whatever this environment says

@@ -22,7 +22,7 @@ from flatgrasp_cli.results.remedies import remedy_of
 from flatgrasp_cli.results.table import ROWS, grasp_table, headline, refusals
 from flatgrasp_cli.robot import forward
 from flatgrasp_cli.robot.reach import LIMITS
-from tests.conftest import EACH, MM, SAMPLES, TABLE, Box, Camera, cloud_of, rectangle, sampled
+from tests.conftest import EACH, MM, SAMPLES, TABLE, Box, Camera, cloud_of, holds, rectangle, sampled
 
 BESIDE = Box((0.45, 0.0, -0.01), (0.9, 0.7, 0.02))
 """A table in front of a robot whose base stands on its height."""
