@@ -80,7 +80,7 @@ class _Edges(NamedTuple):
 
 
 class _Outline(NamedTuple):
-    """The silhouette's vertices as p hands see them, `x` and `y` (p, n); `joined` (n − 1,) are those that begin an edge."""
+    """The silhouette's vertices, as p hands see them, at `x` and `y` (p, n); all but the last of a loop are `joined`."""
 
     x: FloatArray
     y: FloatArray

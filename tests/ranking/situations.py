@@ -9,7 +9,6 @@ import numpy as np
 import shapely
 
 from flatgrasp_cli import load_gripper, load_settings
-from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import GraspCandidates, GravityCenter, OpenHands, OrientedBox, PlaneShape, Silhouette
 from flatgrasp_cli.profiles import Gripper, PlannerSettings
 from flatgrasp_cli.ranking import Situation
@@ -126,8 +125,3 @@ def _holds(seen: shapely.Polygon, face: float, friction: float) -> float:
         drop = top[1] - shapely.get_coordinates(inner)[:, 1].max()
         angles.append(np.sign(top[0]) * np.arctan(drop / 0.5) if on_edge else 0.0)
     return 1.0 if np.tan(0.5 * abs(angles[0] + angles[1])) <= friction else 0.0
-
-
-def lengths(values: FloatArray) -> list[float]:
-    """Numbers in millimetres, rounded to a micrometre."""
-    return np.round(np.asarray(values) / MM, 3).tolist()

@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 
 from flatgrasp_cli.model import OpenHands
 from flatgrasp_cli.ranking.closing import Closed, closed
+from tests.by_hand import MM
 from tests.conftest import I_BEAM, disc, rectangle
-from tests.ranking.situations import HAND, MM, shape_of
+from tests.ranking.situations import HAND, shape_of
 
 BAR = rectangle(100, 40)
 

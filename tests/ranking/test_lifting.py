@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flatgrasp_cli.ranking.lifting import Load, friction_to_lift
-from tests.ranking.situations import MM
+from tests.by_hand import MM
 
 PADS = np.array([[20 * MM, 20 * MM]])
 

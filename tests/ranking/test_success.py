@@ -141,7 +141,7 @@ class TestMoreAndLess:
 
 
 ALONE: dict[str, tuple[tuple[str, ...], Any, Any]] = {
-    "lands_on_object": (("position_m=0.02",), Around(), grasp(40, 44)),
+    "lands_on_object": (("position_m=0.012",), Around(), grasp(40, 44)),
     "stopped_short": (("occupied_share=0.5",), Around(dark=1.0), grasp(40, 60)),
     "closes_beside": (("position_m=0.02",), Around(), moved_along_x(grasp(1, 60), 60.0)),
     "slips": (("friction_share=0.4",), Around(), grasp(40, 60, lean=0.5)),
