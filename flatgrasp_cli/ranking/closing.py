@@ -80,7 +80,7 @@ class _Edges(NamedTuple):
 
 
 class _Outline(NamedTuple):
-    """The silhouette's vertices, as p hands see them, at `x` and `y` (p, n); all but the last of a loop are `joined`."""
+    """The silhouette's vertices, as p hands see them, at `x` and `y` (p, n); all but a loop's last are `joined`."""
 
     x: FloatArray
     y: FloatArray
