@@ -4,9 +4,9 @@
 
 Each sample object lies on a table in so many ways. Of the grasps that `plan` lists, the first, the last and some in
 between are carried out by a floating hand, which misses at random as the settings' `uncertainty` has it; friction and
-mass are random, too. Prints how often grasps of about the same probability were held, in eight groups of as many grasps, the
-expected calibration error (ECE: by how much those differ in the mean), the Brier score (of a guess that is the same for
-all beside it), and the AUC (how probably a grasp that held had the larger probability than one that did not). With
+mass are random, too. Prints how often grasps of about the same probability were held, in eight groups of as many tries,
+the expected calibration error (ECE: by how much those differ in the mean), the Brier score (of a guess that is the same
+for all beside it), and the AUC (how probably a grasp that held had the larger probability than one that did not). With
 `--out`, the table goes to a .md and its picture to a .png of that name.
 """
 
