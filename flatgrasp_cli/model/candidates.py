@@ -144,6 +144,12 @@ class GraspCandidates:
         """The first `count` pairs, or all of them if there are fewer."""
         return self.select(np.arange(min(count, len(self))))
 
+    def with_rows(self, rows: IntArray, others: GraspCandidates) -> GraspCandidates:
+        """The pairs with those in `rows` exchanged for the `others`."""
+        kept = np.setdiff1d(np.arange(len(self)), rows)
+        places = np.argsort(np.concatenate([kept, rows]), kind="stable")
+        return self.select(kept).followed_by(others).select(places) if len(kept) else others
+
     def followed_by(self, others: GraspCandidates) -> GraspCandidates:
         """The pairs and then `others`, whose missing numbers are NaN."""
         if len(others) == 0:
@@ -155,6 +161,11 @@ class GraspCandidates:
                 theirs = np.full((len(others), *mine.shape[1:]), np.nan)
             columns[name] = np.concatenate([mine, theirs])
         return GraspCandidates(**columns)
+
+    def untried(self) -> GraspCandidates:
+        """The same pairs without what was found out by trying them."""
+        columns = {name: np.full_like(getattr(self, name), np.nan) for name in ("success", "causes", "probability")}
+        return self.having(**columns)
 
     def having(self, **columns: Any) -> GraspCandidates:
         """The same pairs with these columns filled in."""

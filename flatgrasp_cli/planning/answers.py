@@ -10,7 +10,6 @@ import numpy as np
 from flatgrasp_cli.funnel import Funnel, NothingLeft
 from flatgrasp_cli.methods import METHODS
 from flatgrasp_cli.model import (
-    Cage,
     GraspCandidates,
     OrientedBox,
     PlaneShape,
@@ -168,13 +167,21 @@ def proved(answer: Answer, gripper: Gripper, settings: PlannerSettings) -> Answe
 
 
 def assessed(answer: Answer, gripper: Gripper, settings: PlannerSettings) -> Answer:
-    """The answer with how probable it is that each of its grasps holds, where that can be told: the hand is ours."""
+    """The answer with how probable it is that each of its grasps holds, unless the method knows no hand.
+
+    Those are tried that were not yet, and those in a cage, which forgives more than was known when they were.
+    """
     if answer.grasps is None or answer.shape is None or answer.surroundings is None or settings.method == "allen":
         return answer
-    tolerances = [cage.tolerance if is_caged(cage) else None for cage in _cages(answer)]
+    grasps = answer.grasps
+    cages = answer.certificates.cages if answer.certificates else (None,) * len(grasps)
+    tolerances = [cage.tolerance if is_caged(cage) and cage is not None else None for cage in cages]
+    known = np.isfinite(grasps.probability) if len(grasps.probability) else np.zeros(len(grasps), dtype=np.bool_)
+    anew = np.flatnonzero(
+        [tolerance is not None or not told for tolerance, told in zip(tolerances, known, strict=True)]
+    )
+    if len(anew) == 0:
+        return answer
     situation = Situation(answer.shape, answer.surroundings, gripper, settings)
-    return replace(answer, grasps=situation.tried(answer.grasps, tolerances))
-
-
-def _cages(answer: Answer) -> tuple[Cage, ...]:
-    return answer.certificates.cages if answer.certificates else ()
+    tried = situation.tried(grasps.select(anew), [tolerances[k] for k in anew])
+    return replace(answer, grasps=grasps.with_rows(anew, tried))

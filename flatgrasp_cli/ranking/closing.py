@@ -19,7 +19,7 @@ RIM_SHARE = 0.25
 aside by. Of 48 simulated fingertips that came down on an object with no more than that, 42 held it nevertheless."""
 ON_EDGE_M = 1e-6
 """A contact nearer than this to the pad's edge, metres, is on it: rounding moves it by less."""
-SHORTEST_M = 1e-4
+SHORTEST_M = 1e-6
 """The least breadth that a slope is taken over, metres."""
 AT_ONCE = 30
 """As many hands at once as chunks are made for: what they meet is a small part of the silhouette."""
@@ -66,6 +66,15 @@ class _Edges(NamedTuple):
             hand=hand, ax=from_x, ay=ay + slope * (from_x - ax), bx=to_x, by=by + slope * (to_x - bx)
         )
 
+    def above(self, level: FloatArray) -> _Edges:
+        """Those that reach farther out than `level` (e,), cut to what does."""
+        met = np.flatnonzero(self.top >= level)
+        (hand, ax, ay, bx, by), level = self.select(met), level[met]
+        rise = by - ay
+        run = (bx - ax) / np.where(rise == 0, 1.0, rise)
+        from_y, to_y = np.maximum(ay, level), np.maximum(by, level)
+        return _Edges(hand, ax + run * (from_y - ay), from_y, ax + run * (to_y - ay), to_y)
+
     @property
     def top(self) -> FloatArray:
         """How far out each reaches."""
@@ -73,7 +82,7 @@ class _Edges(NamedTuple):
 
 
 class _Outline(NamedTuple):
-    """The silhouette's vertices as p hands see them, `x` and `y` (p, n); `joined` (n − 1,) are those that begin an edge."""
+    """The silhouette's vertices, as p hands see them, at `x` and `y` (p, n); all but a loop's last are `joined`."""
 
     x: FloatArray
     y: FloatArray
@@ -172,9 +181,8 @@ def _slope(pads: Sequence[_Pad], reach: FloatArray, tolerance_m: float) -> Float
     hands, places, heights = [], [], []
     at_left, at_right = np.zeros(count, dtype=np.bool_), np.zeros(count, dtype=np.bool_)
     for left, right, edges in pads:
-        hand, x, y = np.tile(edges.hand, 2), np.append(edges.ax, edges.bx), np.append(edges.ay, edges.by)
-        touched = np.flatnonzero(y >= reach[hand] - tolerance_m)
-        hand, x, y = hand[touched], x[touched], y[touched]
+        high = edges.above(reach[edges.hand] - tolerance_m)
+        hand, x, y = np.tile(high.hand, 2), np.append(high.ax, high.bx), np.append(high.ay, high.by)
         top = y >= reach[hand] - ON_EDGE_M
         at_left[hand[top & (x <= left + ON_EDGE_M)]] = True
         at_right[hand[top & (x >= right - ON_EDGE_M)]] = True

@@ -38,7 +38,7 @@ def best_first(grasps: GraspCandidates, situation: Situation) -> GraspCandidates
     contenders = np.array(differing(grasps, order, apart, CONTENDERS), dtype=np.intp)
     rough = _by_trial(grasps.select(contenders), situation.briefly)
     sure = _by_trial(rough.first(FINALISTS), situation)
-    left = rough.select(np.arange(len(sure), len(rough)))
+    left = rough.select(np.arange(len(sure), len(rough))).untried()
     others = order[~np.isin(order, contenders)]
     return sure.followed_by(left).followed_by(grasps.select(others))
 

@@ -25,6 +25,9 @@ from flatgrasp_cli.surroundings.interface import Surroundings
 CLEAR, CLOSES, LIFTS = ("lands_on_object", "stopped_short"), ("closes_beside", "slips"), ("too_heavy", "turns")
 CAUSES = (*CLEAR, *CLOSES, *LIFTS)
 """What a grasp fails by, in the order of carrying it out: only the first counts."""
+PUSHED_ASIDE = 0.5
+"""How often an object is held on which a fingertip comes down with its middle: it slides off a rounded edge, or moves
+what is free to move. In simulation 18 of 29 were."""
 NO_SPREAD = 1e-9
 """Stands for a spread of 0: what is needed is there or not."""
 LEAST_HELD_M = 0.001
@@ -90,9 +93,10 @@ class Situation:
         force_n = self.gripper.max_force_n or self.settings.uncertainty.figures.force_n
         pads = np.column_stack([np.full(len(grasps), self.gripper.finger_width_m), self._grip_m(grasps)])
         to_lift = friction_to_lift(self._load(center, axis), force_n, pads, self.settings.depth.lift_m)
-        beside = np.where(found.free.reshape(each) & (found.room.reshape(each) >= hidden), 1.0, 0.0)
+        lands = ~found.free.reshape(each) | (found.room.reshape(each) < hidden)
+        beside = np.where(lands, PUSHED_ASIDE, 1.0)
         down = beside * (held >= LEAST_HELD_M) * (1 - self.settings.uncertainty.figures.occupied_share * dark)
-        around = down * (found.between.reshape(each) | inside)
+        around = down * (found.between.reshape(each) | inside | lands)
         chances, need = [beside, down, around], np.zeros(each)
         for more in (np.hypot(wedge, self._lean(grasps, held)), to_lift.weight, to_lift.turning):
             need = np.maximum(need, more)

@@ -148,7 +148,7 @@ def attempt(cell: Cell, world: World, look: Look, rng: np.random.Generator, name
     around = cell.spot if best is None else _in_world(cell, look).to_world(best.contacts).mean(axis=0)
     target = _nearest(world, around)
     before = {number: Pose(where, turn.as_quat()) for number, (where, turn) in zip(world.present, places, strict=True)}
-    execution = None if best is None else _carried_out(cell, world, look, rng, best)
+    execution = None if best is None else carried_out(cell, world, look, rng, best)
     if execution is not None and execution.thing is not None:
         target = execution.thing
     return Trial(
@@ -186,7 +186,7 @@ def _nearest(world: World, place: FloatArray) -> int:
     return min(world.present, key=lambda number: float(distances[number]))
 
 
-def _carried_out(cell: Cell, world: World, look: Look, rng: np.random.Generator, grasp: Grasp) -> Execution:
+def carried_out(cell: Cell, world: World, look: Look, rng: np.random.Generator, grasp: Grasp) -> Execution:
     """Go to the pre-grasp and carry the grasp out, by a hand that misses as the conditions have it."""
     shift = cell.conditions.miss_m * rng.normal(size=2)
     yaw = np.radians(cell.conditions.miss_deg) * rng.normal()

@@ -1,0 +1,187 @@
+"""The probability that a grasp holds: by hand, by plain sampling, and each cause on its own."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from math import erf, sqrt
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given
+from hypothesis import strategies as st
+
+from flatgrasp_cli.model import Tolerance
+from flatgrasp_cli.ranking import CAUSES
+from flatgrasp_cli.ranking.success import PUSHED_ASIDE
+from tests.by_hand import MM
+from tests.conftest import I_BEAM, disc, rectangle
+from tests.ranking.situations import HAND, Around, by_monte_carlo, chance, grasp, moved_along_x, situation, unsure
+
+BAR = rectangle(80, 40)
+DISC = disc(25)
+
+
+LONG = rectangle(400, 40)
+
+
+def free(share: float) -> float:
+    """How probably a grasp holds that comes down on the object unless it hits that share of the misses."""
+    return share + PUSHED_ASIDE * (1 - share)
+
+
+def within(limit_mm: float, spread_mm: float) -> float:
+    """How probably a normally distributed miss is less."""
+    return erf(limit_mm / (spread_mm * sqrt(2)))
+
+
+class TestByHand:
+    @pytest.mark.parametrize("spread_mm", [5, 8, 15])
+    def test_a_bar_is_come_down_on_by_a_hand_that_misses_by_more_than_its_room(self, spread_mm: int) -> None:
+        """10 mm to each side, and a quarter of a fingertip's thickness; the bar's ends are 30 mm away."""
+        found = chance(situation(BAR, unsure(f"position_m={spread_mm * MM}")), grasp(40, 60))
+        by_hand = free(within(12.5, spread_mm)) * within(50, spread_mm)
+        assert found == pytest.approx(by_hand, abs=0.02)
+
+    @pytest.mark.parametrize("spread_mm", [6, 9])
+    def test_a_disc_slips_out_of_pads_too_far_beside_its_middle(self, spread_mm: int) -> None:
+        """Friction 0.5 holds 26.6 degrees: pads may end 11.2 mm beside its middle, the hand 21.2 mm."""
+        settings = unsure(f"position_m={spread_mm * MM}")
+        found = chance(situation(DISC, settings), grasp(50, 120))
+        aside = 10 + 25 * np.sin(np.arctan(0.5))
+        assert found == pytest.approx(within(aside, spread_mm) * free(within(37.5, spread_mm)), abs=0.025)
+
+    @pytest.mark.parametrize("spread_mm", [5, 10])
+    def test_an_i_beams_notch_leaves_the_fingers_15_mm(self, spread_mm: int) -> None:
+        turned = shapely.affinity.rotate(I_BEAM, 90)
+        found = chance(situation(turned, unsure(f"position_m={spread_mm * MM}")), grasp(30, 50))
+        assert found == pytest.approx(free(within(15, spread_mm) * within(12.5, spread_mm)), abs=0.03)
+
+    def test_friction_is_there_or_not(self) -> None:
+        """Walls that lean by 0.4 need 0.4; there is 0.3 to 0.7."""
+        found = situation(BAR, unsure("friction_share=0.4")).tried(grasp(40, 60, lean=0.4))
+        assert found.probability[0] == pytest.approx(0.75)
+        assert dict(zip(CAUSES, found.causes[0], strict=True))["slips"] == pytest.approx(0.25)
+
+    def test_walls_of_which_little_is_held_are_known_badly(self) -> None:
+        """1 mm over both sides is 0.71 mm, over the half of 4 mm: the lean is 0.354 at one standard deviation."""
+        found = chance(situation(BAR, unsure("outline_m=0.001")), grasp(40, 60, grip=4 * MM))
+        assert found == pytest.approx(0.5 + 0.5 * within(0.5, 0.3536), abs=0.01)
+
+    def test_what_is_too_heavy_for_the_hand(self) -> None:
+        """96 cm³ at 200 to 30,000 kg/m³; 40 N and friction 0.5 lift 2.72 kg, which has 28,300."""
+        found = chance(situation(BAR, unsure("density_kg_m3=[200,24000]")), grasp(40, 60))
+        assert found == 1.0
+        weak = HAND.model_copy(update={"max_force_n": 10.0})
+        found = chance(situation(BAR, unsure("density_kg_m3=[200,24000]"), hand=weak), grasp(40, 60))
+        heaviest = 2 * 0.5 * 10 / (1.5 * 9.80665) / (80 * 40 * 30 * MM**3)
+        assert found == pytest.approx((heaviest - 200) / 23800, abs=0.01)
+
+    @pytest.mark.parametrize(("height_mm", "held"), [(20.0, True), (23.9, True), (24.1, False)])
+    def test_a_hand_that_is_stopped_holds_what_is_left(self, height_mm: float, held: bool) -> None:
+        """The pads would hold from 5 to 25 mm; with less than a millimetre they hold nothing."""
+        assert chance(situation(BAR, unsure(), Around(height_mm * MM)), grasp(40, 60)) == float(held)
+
+    def test_a_height_that_is_off_is_held_less_of(self) -> None:
+        """Pads that would hold 4 mm hold nothing if they are more than 3 mm too high."""
+        found = chance(situation(BAR, unsure("height_m=0.003")), grasp(40, 60, grip=4 * MM))
+        assert found == pytest.approx(0.5 + 0.5 * within(3, 3), abs=0.01)
+
+    @pytest.mark.parametrize("dark", [0.0, 0.5, 1.0])
+    def test_what_was_not_seen_may_be_there(self, dark: float) -> None:
+        found = chance(situation(BAR, unsure("occupied_share=0.2"), Around(dark=dark)), grasp(40, 60))
+        assert found == pytest.approx(1 - 0.2 * dark)
+
+    def test_an_object_that_goes_on_unseen_may_do_so_by_less(self) -> None:
+        """30 mm at most, evenly: the finger stands 10 mm beside what was seen, and may push aside 2.5 mm."""
+        found = chance(situation(BAR, unsure()), grasp(40, 60, hidden=np.array([[0.0, 30 * MM]])))
+        assert found == pytest.approx(free(12.5 / 30), abs=0.01)
+
+
+@pytest.mark.parametrize(
+    "region", [BAR, DISC, shapely.affinity.rotate(rectangle(70, 30), 8)], ids=["bar", "disc", "askew"]
+)
+@pytest.mark.parametrize("changes", [("position_m=0.008",), ("position_m=0.006", "yaw_deg=6", "friction_share=0.4")])
+def test_it_is_what_plain_sampling_finds(region: shapely.Polygon, changes: tuple[str, ...]) -> None:
+    settings = unsure(*changes)
+    width = region.bounds[3] - region.bounds[1]
+    slow = by_monte_carlo(region, width + 16, settings, 1500)
+    assert 0.5 < slow < 0.999
+    assert chance(situation(region, settings), grasp(width, width + 16)) == pytest.approx(slow, abs=0.04)
+
+
+class TestMoreAndLess:
+    @pytest.mark.parametrize(
+        "name", ["position_m", "height_m", "yaw_deg", "friction_share", "outline_m", "center_share"]
+    )
+    def test_more_error_never_holds_better(self, name: str) -> None:
+        top = {"position_m": 0.03, "height_m": 0.02, "yaw_deg": 40, "friction_share": 0.9, "outline_m": 0.01}.get(
+            name, 0.9
+        )
+        pads = grasp(40, 56, grip=6 * MM, lean=0.3, hidden=np.array([[0.0, 4 * MM]]))
+        heavy = ("density_kg_m3=[600,900]", "force_n=40")
+        found = [chance(situation(LONG, unsure(*heavy, f"{name}={top * k / 8}")), pads) for k in range(9)]
+        assert all(less >= more - 0.004 for less, more in pairwise(found))  # a sample or two
+        assert found[0] > found[-1]
+
+    @given(low=st.floats(0.05, 2), more=st.floats(0, 1), lean=st.floats(0, 1), grip=st.floats(1, 30))
+    def test_more_friction_never_holds_worse(self, low: float, more: float, lean: float, grip: float) -> None:
+        table = grasp(40, 56, lean=lean, grip=grip * MM)
+        found = [
+            chance(
+                situation(
+                    BAR, unsure("position_m=0.006", "samples=64"), hand=HAND.model_copy(update={"pad_friction": mu})
+                ),
+                table,
+            )
+            for mu in (low, low + more)
+        ]
+        assert found[1] >= found[0]
+
+
+ALONE: dict[str, tuple[tuple[str, ...], Any, Any]] = {
+    "lands_on_object": (("position_m=0.012",), Around(), grasp(40, 44)),
+    "stopped_short": (("occupied_share=0.5",), Around(dark=1.0), grasp(40, 60)),
+    "closes_beside": (("position_m=0.02",), Around(), moved_along_x(grasp(1, 60), 60.0)),
+    "slips": (("friction_share=0.4",), Around(), grasp(40, 60, lean=0.5)),
+    "too_heavy": (("density_kg_m3=[20000,25000]", "friction_share=0.4"), Around(), grasp(40, 60)),
+    "turns": (("density_kg_m3=[900,901]", "center_share=0.4"), Around(), grasp(40, 60)),
+}
+
+
+@pytest.mark.parametrize("cause", CAUSES)
+def test_each_cause_on_its_own_is_named_and_no_other(cause: str) -> None:
+    changes, around, table = ALONE[cause]
+    region = {"turns": LONG, "lands_on_object": LONG, "closes_beside": rectangle(80, 1)}.get(cause, BAR)
+    hand = HAND.model_copy(update={"max_force_n": 30.0}) if cause == "too_heavy" else HAND
+    found = situation(region, unsure(*changes), around, hand).tried(table)
+    shares = dict(zip(CAUSES, found.causes[0], strict=True))
+    assert 0 < shares.pop(cause) <= 1
+    assert max(shares.values()) < 1e-9 or cause == "closes_beside"
+    assert max(shares, key=lambda name: shares[name]) != cause
+
+
+def test_the_parts_make_the_whole() -> None:
+    settings = unsure("position_m=0.008", "friction_share=0.4", "occupied_share=0.2", "height_m=0.003")
+    found = situation(BAR, settings, Around(dark=0.5)).tried(grasp(40, 56, lean=0.3, grip=5 * MM))
+    assert np.prod(found.success[0]) == pytest.approx(found.probability[0])
+    assert found.causes[0].sum() + found.probability[0] == pytest.approx(1)
+    assert (found.causes[0] >= 0).all()
+
+
+def test_inside_a_basin_closing_ends_in_the_grasp() -> None:
+    """Though a disc is pushed out of pads beside its middle: its cage forgives 6 cm, but no lean of its walls."""
+    settings = unsure("position_m=0.012")
+    everywhere = Tolerance(position_m=0.06, along_m=0.06, across_m=0.06, rotation_deg=90.0, lever_m=0.0)
+    found, table = situation(DISC, settings), grasp(50, 120)
+    without, inside = (found.tried(table, known).probability[0] for known in ((), (everywhere,)))
+    assert without < 0.95
+    assert inside > 0.985
+    slanted = found.tried(grasp(50, 120, lean=0.6), (everywhere,)).probability[0]
+    assert slanted == 0.0
+
+
+def test_of_an_object_alone_nothing_is_known_of_walls_and_heights() -> None:
+    alone = grasp(40, 60, grip=np.nan)
+    assert chance(situation(BAR, unsure("outline_m=0.01")), alone) == 1.0
