@@ -91,9 +91,7 @@ def _success(grasps: GraspCandidates, k: int) -> Success | None:
         return None
     clear, closes, lifts = grasps.success[k].tolist()
     causes = dict(zip(CAUSES, grasps.causes[k].tolist(), strict=True))
-    return Success(
-        probability=float(grasps.probability[k]), clear=clear, closes=closes, lifts=lifts, causes=causes
-    )
+    return Success(probability=float(grasps.probability[k]), clear=clear, closes=closes, lifts=lifts, causes=causes)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

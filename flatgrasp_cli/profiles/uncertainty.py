@@ -61,8 +61,8 @@ class UncertaintySettings(HandUncertainty):
     outline_m: Length | None = None
     """Standard deviation of where the object's sides are, metres: the sensor's noise."""
     density_kg_m3: tuple[Density, Density] | None = None
-    """The least and the largest mean density of objects, with their hollows, kilograms per m³, unless `caging.mass_kg` is
-    given."""
+    """The least and the largest mean density of objects, with their hollows, kilograms per m³, unless the mass is known
+    (`caging.mass_kg`)."""
     center_share: Spread | None = None
     """Standard deviation of the centre of gravity, as a share of the object's length, on each axis."""
     occupied_share: Spread | None = None

@@ -53,7 +53,7 @@ class _Edges(NamedTuple):
 
     def select(self, keep: BoolArray | IntArray) -> _Edges:
         """Those that a mask or an index array names."""
-        return _Edges(*(column[keep] for column in self))
+        return _Edges(hand=self.hand[keep], ax=self.ax[keep], ay=self.ay[keep], bx=self.bx[keep], by=self.by[keep])
 
     def within(self, low: float, high: float) -> _Edges:
         """Those that meet a narrower strip, cut to it."""
@@ -62,9 +62,7 @@ class _Edges(NamedTuple):
         run = bx - ax
         slope = (by - ay) / np.where(run == 0, 1.0, run)
         from_x, to_x = ax.clip(low, high), bx.clip(low, high)
-        return _Edges(
-            hand=hand, ax=from_x, ay=ay + slope * (from_x - ax), bx=to_x, by=by + slope * (to_x - bx)
-        )
+        return _Edges(hand=hand, ax=from_x, ay=ay + slope * (from_x - ax), bx=to_x, by=by + slope * (to_x - bx))
 
     def above(self, level: FloatArray) -> _Edges:
         """Those that reach farther out than `level` (e,), cut to what does."""
@@ -73,7 +71,7 @@ class _Edges(NamedTuple):
         rise = by - ay
         run = (bx - ax) / np.where(rise == 0, 1.0, rise)
         from_y, to_y = np.maximum(ay, level), np.maximum(by, level)
-        return _Edges(hand, ax + run * (from_y - ay), from_y, ax + run * (to_y - ay), to_y)
+        return _Edges(hand=hand, ax=ax + run * (from_y - ay), ay=from_y, bx=ax + run * (to_y - ay), by=to_y)
 
     @property
     def top(self) -> FloatArray:

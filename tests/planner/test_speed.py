@@ -169,7 +169,9 @@ def both_ways(fast: Plan) -> tuple[Grasp, list[Grasp]]:
     assert fast.best is not None
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(silhouette, "alpha_region", by_triangles)
-        return fast.best, list(plan(fast.cloud, fast.gripper, load_settings("default", EACH), top=1000).objects[0].grasps)
+        return fast.best, list(
+            plan(fast.cloud, fast.gripper, load_settings("default", EACH), top=1000).objects[0].grasps
+        )
 
 
 def nearest(grasp: Grasp, others: list[Grasp]) -> tuple[float, float]:

@@ -18,7 +18,8 @@ from tests.conftest import MM, cloud_of, rectangle, sampled
 
 PLATE = sampled(rectangle(120, 40), seed=3)
 BEAM = sampled(
-    shapely.union_all([shapely.box(-15, -40, 15, 40), shapely.box(-60, -60, 60, -40), shapely.box(-60, 40, 60, 60)]), seed=4
+    shapely.union_all([shapely.box(-15, -40, 15, 40), shapely.box(-60, -60, 60, -40), shapely.box(-60, 40, 60, 60)]),
+    seed=4,
 )
 """An I-beam whose neck is so long that a hand which misses finds room there: no other place holds more probably."""
 VIEW = np.array([0.0, 0.0, 1.0])

@@ -36,7 +36,9 @@ def test_of_a_bar_grasps_a_fingers_width_apart_are_listed(pr2: Gripper) -> None:
 def listed_and_all(*options: str) -> list[tuple[Grasp, ...]]:
     """The grasps of a bar that are listed, and all that there are."""
     cloud, settings = cloud_of(sampled(rectangle(120, 40))), ((), EACH)
-    found = (plan(cloud, load_gripper("pr2"), load_settings("default", (*more, *options)), top=1000) for more in settings)
+    found = (
+        plan(cloud, load_gripper("pr2"), load_settings("default", (*more, *options)), top=1000) for more in settings
+    )
     return [result.objects[0].grasps for result in found]
 
 

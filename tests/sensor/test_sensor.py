@@ -110,7 +110,7 @@ class TestStated:
         )
         assert one is not None
         assert merged is not None
-        assert merged.unseen_m < 1 * MM
+        assert merged.unseen_m == pytest.approx(0.0, abs=1 * MM)
         assert one.unseen_m is not None
 
     @pytest.mark.parametrize(

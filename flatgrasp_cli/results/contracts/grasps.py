@@ -60,8 +60,8 @@ class CausesPart(Part):
     lands_on_object: Number
     """The share of cases in which a fingertip comes down on the object itself."""
     stopped_short: Number
-    """The share in which something else stops fingers or palm so high that the pads hold nothing, or stands where no ray
-    came."""
+    """The share in which something else stops fingers or palm so high that the pads hold nothing, or stands where no
+    ray came."""
     closes_beside: Number
     """The share in which the object is not between the fingers."""
     slips: Number
