@@ -61,4 +61,5 @@ class OnSupport(Relief):
 
     def stopped(self, hands: OpenHands, gripper: Gripper, /) -> Stops:
         """What stands below the fingers and the palm of open hands."""
-        return stops(hands, self.maps.rest, self.maps.coarse, gripper)
+        found = stops(hands, self.maps.rest, self.maps.coarse, gripper)
+        return found._replace(dark=np.zeros(len(hands))) if self.settings.depth.unseen == "ignore" else found

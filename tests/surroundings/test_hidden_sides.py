@@ -16,7 +16,7 @@ from flatgrasp_cli.model import Cloud, ObjectPlan
 from flatgrasp_cli.planning import plan_object
 from flatgrasp_cli.profiles import Gripper
 from flatgrasp_cli.scene import segment
-from tests.conftest import MM, TABLE, Box, Camera, Tube
+from tests.conftest import MM, TABLE, Box, Camera, Tube, holds
 from tests.surroundings.on_a_table import ABOVE, BLOCK, DEPTH, HAND, KINECT, best, planned, seen
 
 
@@ -52,6 +52,15 @@ class TestHiddenSides:
         assert result.objects[0].rejection is not None
         assert result.objects[0].rejection.stage in {"unseen", "seen"}
         assert "hidden" in str(result.reason)
+
+    def test_what_may_stand_unseen_makes_a_grasp_less_sure_unless_it_is_ignored(self, pr2: Gripper) -> None:
+        cloud = KINECT.sees(TABLE, Box((0.0, 0.0, 0.025), (0.12, 0.05, 0.05)))
+        ranked, ignored, free = (
+            holds(best(planned(cloud, pr2, f"depth.unseen={unseen}", f"uncertainty.occupied_share={share}")))
+            for unseen, share in (("rank", 0.5), ("ignore", 0.5), ("rank", 0))
+        )
+        assert ranked < ignored - 0.1
+        assert ignored == pytest.approx(free, abs=1e-9)
 
     def in_hole(self, camera: Camera, gripper: Gripper) -> int:
         """How many of the best grasps of a ring have a finger in its bore, of 30 mm radius."""
