@@ -115,7 +115,7 @@ def _tips(below: FloatArray, palm_tip: FloatArray, lowest: FloatArray, held: _Up
 
 def _widest(tips: FloatArray) -> IntArray:
     """Which is the widest of the openings (p,) that lets the tips down as far as any, by their `tips` (MARGINS, p)."""
-    return np.argmax(tips <= tips.min(axis=0) + LOWER_M, axis=0)
+    return np.asarray(np.argmax(tips <= tips.min(axis=0) + LOWER_M, axis=0))
 
 
 def _roomiest(tips: FloatArray) -> IntArray:
