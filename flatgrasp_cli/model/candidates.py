@@ -73,9 +73,10 @@ class GraspCandidates:
     side; `room` (p, 2) the free length behind each pad, infinite where nothing stands there.
 
     How the hand comes: the `opening` to come with, and `tip`, the height at which the fingertips end. `grip` is the
-    pads' height on the object, `margin` the free space beside each pad and the palm, `palm_room` that beside the palm
-    alone, `unseen` how much of the fingers' way, both sides together, no ray reached; `touch` is the height at which
-    both sides were seen, that of the contacts. Of an object seen alone grip and unseen are not known: NaN.
+    pads' height on the object, `margin` the free space that there is at most beside each pad and the palm, `palm_room`
+    that beside the palm alone, `unseen` how much of the fingers' way, both sides together, no ray reached; `touch` is
+    the height at which both sides were seen, that of the contacts. Of an object seen alone grip and unseen are not
+    known: NaN.
 
     `hidden` (p, 2) is how far the object probably goes on behind each pad's side, out of sight, and `lean` (p,) the
     tangent of the angle by which both walls together lean away from upright, half and half.

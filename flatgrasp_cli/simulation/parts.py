@@ -23,7 +23,8 @@ TABLE_HALF_M = (1.5, 1.5, 0.02)
 TABLE_FRICTION = 0.5
 """Of wood or plastic on wood."""
 TORSION_M = 0.005
-"""Radius over which a pad's contact point bears torsion: that of the patch that rubber makes of a point."""
+"""Arm at which a pad's friction at a point bears torsion: two thirds of the radius of the patch, 7.5 mm, that a pad of
+rubber two centimetres wide makes of the point. Flat faces meet in several points, which bear more between them."""
 ROLLING_M = 1e-4
 CONTACT_TIME_S = 0.004
 """Time constant of a contact, four time steps: of less than two it would not be stable."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flatgrasp_cli.funnel import Funnel, Miss
-from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
@@ -61,17 +61,18 @@ def descended(
     """The pairs on which the hand can come down far enough, with `opening`, `tip`, `grip`, `margin`, `touch`."""
     settings, depth, maps = around.settings, around.settings.depth, around.maps
     margins, clear_m = _margins(grasps, gripper, settings), settings.hand.clearance_m
-    below, unseen = under_fingers(grasps, margins, maps.rest, maps.highest, gripper, clear_m)
+    outward = margins[:-1] + margins[1:]  # as far beyond a finger as the next smaller opening leaves beside its pad
+    below, unseen = under_fingers(grasps, np.concatenate([margins, outward]), maps.rest, maps.highest, gripper, clear_m)
     held = _held(fingers, grasps, around, gripper)
     lowest = np.minimum(around.lowest_m, lowest_tip(held.firm, depth))
     lowest = np.maximum(lowest, around.level_m - depth.slice_step_m)  # what lies deeper is for a lower slice
     headroom = gripper.finger_length_m - depth.palm_clearance_m
     openings = grasps.width + 2 * margins
     palm = under_palm(grasps, openings, maps.coarse, float(lowest.min()) + headroom, gripper)
-    tips = _tips(below, palm - headroom, lowest, held, around)
-    choice = np.argmax(tips <= tips.min(axis=0) + LOWER_M, axis=0)  # the widest that lets the tips down so far
+    tips = _tips(below, np.concatenate([palm, palm[:-1]]) - headroom, lowest, held, around)
+    widest, choice = _widest(tips[:MARGINS]), _roomiest(tips)
     columns = np.arange(len(grasps))
-    tip, margin = tips[choice, columns], margins[choice, columns]
+    tip = tips[choice, columns]
 
     def miss(value: float) -> Miss:
         nearest = int(np.argmin(held.need - (held.firm - tip)))
@@ -86,10 +87,10 @@ def descended(
 
     kept = funnel.at_most("depth", grasps, held.need - (held.firm - tip), 0.0, miss)
     grasps = grasps.having(
-        opening=grasps.width + 2 * margin,
+        opening=openings[choice, columns],
         tip=tip,
         grip=held.wall - tip,
-        margin=margin,
+        margin=margins[widest, columns],
         unseen=unseen[choice, columns],
         touch=np.clip(held.seen, tip, np.maximum(held.wall, tip)),
         lean=held.lean(grasps, tip),
@@ -123,6 +124,23 @@ def _tips(below: FloatArray, palm_tip: FloatArray, lowest: FloatArray, held: _Up
     met = np.maximum(met, palm_tip)
     tips = np.maximum(met, max(around.lowest_m, around.level_m - depth.slice_step_m))
     return np.where(held.firm - tips.min(axis=0) < held.need, np.maximum(met, lowest), tips)
+
+
+def _widest(tips: FloatArray) -> IntArray:
+    """Which is the widest of the openings (p,) that lets the tips down as far as any, by their `tips` (MARGINS, p)."""
+    return np.asarray(np.argmax(tips <= tips.min(axis=0) + LOWER_M, axis=0))
+
+
+def _roomiest(tips: FloatArray) -> IntArray:
+    """Which of these openings (p,) leaves most room on the narrower side of the fingers: at the pad, or outward.
+
+    A finger that is set down as far out as it goes has a neighbour right behind it, and of that the sensor may not have
+    seen all. After the `tips` (MARGINS, p) of the openings come those (MARGINS − 1, p) of all but the smallest with the
+    fingers thicker outward by what the next smaller one leaves at the pads: where they come down as far even so, the
+    next has less room at the pads than this one has on either side.
+    """
+    low = tips[MARGINS:] <= tips.min(axis=0) + LOWER_M
+    return np.where(low.any(axis=0), np.argmax(low, axis=0), MARGINS - 1)
 
 
 def _looked_into(grasps: GraspCandidates, funnel: Funnel) -> GraspCandidates:

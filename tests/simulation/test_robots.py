@@ -17,7 +17,7 @@ from flatgrasp_cli.simulation.carriers import Floating, missed, palm_at
 from flatgrasp_cli.simulation.engine import load_mujoco
 from flatgrasp_cli.simulation.hands import hand_of
 from flatgrasp_cli.simulation.parts import Kind, Pads
-from flatgrasp_cli.simulation.solids import box, rod
+from flatgrasp_cli.simulation.solids import box, ellipsoid, joined, rod
 from flatgrasp_cli.simulation.things import Thing
 from flatgrasp_cli.simulation.world import World
 
@@ -27,8 +27,8 @@ UP = Pose(np.array([0.0, 0.0, 0.5]), DOWN)
 GRIPPERS = list_profiles("gripper")
 
 
-def floating(gripper: str, *things: Thing, force_n: float = 40.0) -> World:
-    world = World(things, Floating(), hand_of(load_gripper(gripper), Pads(0.5, force_n)))
+def floating(gripper: str, *things: Thing, force_n: float = 40.0, friction: float = 0.5) -> World:
+    world = World(things, Floating(), hand_of(load_gripper(gripper), Pads(friction, force_n)))
     world.reset(world.carrier.controls([UP])[0], load_gripper(gripper).max_opening_m)
     return world
 
@@ -72,8 +72,11 @@ def test_a_hand_opens_as_its_profile_says(name: str, share: float) -> None:
     assert 2 * half[:, 0] == pytest.approx(gripper.finger_width_m)
 
 
-def closed_on(world: World, center: FloatArray, opening_m: float, tips_m: float) -> None:
-    """Close on a thing whose frame is at `center` and that nothing pulls down, the fingertips ending at a height."""
+def closed_on(world: World, center: FloatArray, opening_m: float, tips_m: float) -> FloatArray:
+    """Close on a thing whose frame is at `center` and that nothing pulls down, the fingertips ending at a height.
+
+    Returns the controls (1, k) that keep the hand there.
+    """
     world.model.body_gravcomp[world.model.body("thing0").id] = 1.0
     palm = tips_m + world.hand.reach_m(world.model, world.data)
     (control,) = world.carrier.controls([Pose(np.array([0.0, 0.0, palm]), DOWN)])
@@ -81,6 +84,7 @@ def closed_on(world: World, center: FloatArray, opening_m: float, tips_m: float)
     world.put(0, center, Rotation.identity())
     world.follow(control[None], 0.8, (world.hand.control(opening_m), world.hand.closed))
     world.follow(control[None], 0.4)
+    return np.asarray(control[None])
 
 
 def pressing(world: World) -> dict[str, float]:
@@ -103,6 +107,19 @@ def test_jaws_press_with_their_force_and_stay_in_the_middle(name: str) -> None:
     closed_on(world, np.array([0.0, -0.002, 0.12]), opening_m=0.06, tips_m=0.11)
     assert list(pressing(world).values()) == pytest.approx([30.0, 30.0], rel=0.02)
     assert world.pose(0)[0][1] == pytest.approx(0.0, abs=5e-4)  # it was pushed to the hand's middle
+
+
+@pytest.mark.parametrize(("friction", "level"), [(0.44, True), (0.34, False)])
+def test_pads_bear_torsion_in_proportion_to_their_friction(friction: float, level: bool) -> None:
+    """Two points bear 0.4 N m · μ: twice 40 N at 5 mm. A load of 0.2 kg at 80 mm asks for 0.16 N m."""
+    ball, load = ellipsoid((0.02, 0.02, 0.02), (0, 0, 0)), box((0.03, 0.03, 0.03), (0.08, 0, 0))
+    thing = Thing("loaded", joined([ball.surface, load.surface]), (*ball.pieces, *load.pieces), 0.45)
+    world = floating("pr2", thing, friction=friction)
+    control = closed_on(world, np.array([0.0, 0.0, 0.12]), opening_m=0.06, tips_m=0.11)
+    world.model.body_gravcomp[world.model.body("thing0").id] = 0.0
+    world.follow(control, 0.5)
+    _, turned = world.pose(0)
+    assert (turned.magnitude() < np.radians(5)) == level
 
 
 def turn(world: World, finger: str) -> float:

@@ -77,6 +77,18 @@ class TestOpening:
         assert grasp.opening_m - grasp.width_m == pytest.approx(2 * margin_mm * MM, abs=1e-6)
         assert grasp.tip_height_m == pytest.approx(4 * MM)
 
+    @pytest.mark.parametrize(("gap_mm", "margin_mm"), [(46, 20), (40, 14), (28, 8), (16, 2)])
+    def test_less_if_a_wall_behind_the_finger_would_be_nearer_than_the_pad(
+        self, gap_mm: float, margin_mm: float
+    ) -> None:
+        """20 mm beside the pad would leave 11 mm behind the finger of a gap of 40 mm, 14 mm leave 17 mm."""
+        grasp = best(bar_of((100, 40, 40), beside(gap_mm, 50)))
+        assert grasp.opening_m - grasp.width_m == pytest.approx(2 * margin_mm * MM, abs=1e-6)
+
+    def test_a_finger_that_stands_in_the_middle_of_a_gap_costs_no_more(self) -> None:
+        """There is room for 20 mm beside the pad, if that is needed."""
+        assert best(bar_of((100, 40, 40), beside(40, 50))).cost_m == pytest.approx(best(bar_of((100, 40, 40))).cost_m)
+
     @pytest.mark.parametrize(("step_mm", "margin_mm"), [(3.0, 20), (3.9, 8)])
     def test_but_not_for_less_than_a_millimetre_of_depth(self, step_mm: float, margin_mm: float) -> None:
         """The step lets the tips down to 4.5 mm, and to 5.4 mm, instead of 4 mm."""
