@@ -104,8 +104,8 @@ class TestPlan:
         result = plan(
             Camera().sees(TABLE, Box((-0.1, 0, 0.02), (0.1, 0.04, 0.04)), Box((0.1, 0, 0.02), (0.1, 0.07, 0.04))), pr2
         )
-        holds = [holds(item.grasps[0]) for item in result.objects]
-        assert holds == sorted(holds, reverse=True)
+        chances = [holds(item.grasps[0]) for item in result.objects]
+        assert chances == sorted(chances, reverse=True)
         assert result.objects[0].grasps[0].position[0] < 0
 
     def test_without_any_grasp_it_says_why(self, pr2: Gripper) -> None:
