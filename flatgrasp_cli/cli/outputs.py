@@ -37,18 +37,25 @@ class Names:
 
     def of_source(self, source: str) -> str:
         """The stem of a source's name, made safe; further sources of that name are numbered."""
-        return self._unique("stdin" if source == "-" else _safe(source) or "cloud")
+        return self.unique("stdin" if source == "-" else _safe(source) or "cloud")
 
     def of_frame(self, stem: str, cloud: Cloud, source: str) -> str:
         """The stem itself for a file with one cloud; else with the frame's time in seconds, or its own file's stem."""
         if cloud.source.path not in (source, "stdin"):
-            return self._unique(f"{stem}.{_safe(cloud.source.path)}")
+            return self.unique(f"{stem}.{_safe(cloud.source.path)}")
         if cloud.source.topic is None or cloud.source.stamp_ns is None:
             return stem
-        seconds, ns = divmod(cloud.source.stamp_ns, 1_000_000_000)
-        return self._unique(f"{stem}.{seconds}.{ns:09d}")
+        return self.at(stem, cloud.source.stamp_ns)
 
-    def _unique(self, name: str) -> str:
+    def at(self, stem: str, stamp_ns: int | None) -> str:
+        """The stem with a frame's time in seconds, where that is known."""
+        if stamp_ns is None:
+            return self.unique(stem)
+        seconds, ns = divmod(stamp_ns, 1_000_000_000)
+        return self.unique(f"{stem}.{seconds}.{ns:09d}")
+
+    def unique(self, name: str) -> str:
+        """The name; one that was given before is numbered."""
         unique, n = name, 1
         while unique in self._taken:
             n += 1
