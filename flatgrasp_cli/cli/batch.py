@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from flatgrasp_cli.cli.bag_options import BagFile, bag_options
 from flatgrasp_cli.cli.defaults import context_of
 from flatgrasp_cli.cli.planning_options import planning_options
 from flatgrasp_cli.cli.progress import bar
@@ -45,12 +46,14 @@ PLAIN_EVERY_S = 10.0
 @click.option("--jobs", "-j", type=click.IntRange(min=1), metavar="N", help="Worker processes; all cores if not given.")
 @click.option("--cluster", metavar="ADDRESS|local", help="Work on a Dask cluster, e.g. tcp://host:8786.")
 @click.option("--plots", is_flag=True, help="Draw the final grasp of every frame as PNG, too.")
+@bag_options
 @click.option("--force", is_flag=True, help="Start over, instead of going on with what the folder holds.")
 @click.option("--quiet", "-q", is_flag=True, help="No progress.")
 def command(
     sources: tuple[str, ...],
     from_list: str | None,
     job: Job,
+    bag: BagFile,
     out: Path,
     jobs: int | None,
     cluster: str | None,
@@ -73,6 +76,8 @@ def command(
     if not inputs:
         raise UsageError("nothing to plan: name files, folders, globs or URLs, or give --from-list")
     store = Store(out)
+    if force or not store.concluded(inputs):
+        bag.check_new()
     with _full_disk(out):
         store.prepare(job, plots, force=force)
         with _shown(quiet) as (say, watch):
@@ -86,6 +91,7 @@ def command(
                 return INTERRUPTED
         if not store.concluded(inputs):
             _conclude(store, inputs)
+    _fill(bag, job, store, inputs)
     if not quiet:
         click.echo(
             f"flatgrasp: {progress.frames - progress.frames_refused} of {progress.frames} frames with a grasp, "
@@ -126,6 +132,21 @@ def _conclude(store: Store, inputs: list[Input]) -> None:
     store.write("report.html", "".join(report(found, values, made)))
     store.write("summary.json", json.dumps(values, indent=2, ensure_ascii=False) + "\n")
     store.conclude(inputs)
+
+
+def _fill(file: BagFile, job: Job, store: Store, inputs: list[Input]) -> None:
+    """Write all frames into the bag, if one was asked for; their clouds are read once more."""
+    from flatgrasp_cli.batch.again import frames_of
+
+    if file.written:
+        return
+    with file.opened() as bag:
+        if bag is None:
+            return
+        for frame in (frame for item in inputs for frame in frames_of(job, store, item)):
+            bag.add(frame.document, frame.text, frame.cloud)
+    for path in file.written:
+        _say(f"wrote {path}")
 
 
 @contextmanager

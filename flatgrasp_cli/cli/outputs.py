@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from flatgrasp_cli.model import Cloud
     from flatgrasp_cli.planning import Plan
+    from flatgrasp_cli.results.exports.bag import Bag
 
 
 NO_GRASP = 1
@@ -113,9 +114,19 @@ class Warnings:
 
 
 class Outputs:
-    """Writes each plan as asked: into `folder` (None: no files), and to stdout as JSON or as a table."""
+    """Writes each plan as asked: into `folder` (None: no files) and a bag, and to stdout as JSON or as a table."""
 
-    def __init__(self, folder: Path | None, as_json: bool, plots: str, progress: FrameProgress, *, wide: bool) -> None:
+    def __init__(
+        self,
+        folder: Path | None,
+        as_json: bool,
+        plots: str,
+        progress: FrameProgress,
+        *,
+        wide: bool,
+        bag: Bag | None = None,
+    ) -> None:
+        self._bag = bag
         self._folder, self._as_json, self._stages, self._wide = folder, as_json, plots == "stages", wide
         self._warnings, self._progress = Warnings(), progress
         self.refused = 0
@@ -135,6 +146,8 @@ class Outputs:
             with writing(path):
                 write_text(path, [to_json(document, indent=2), "\n"])
             self.pictures.written.append(path)
+        if self._bag is not None:
+            self._add_to_bag(self._bag, to_json(document), plan)
         with self._progress.aside():
             self._warnings.tell(plan, source)
             if self._as_json:
@@ -146,6 +159,12 @@ class Outputs:
                 say_refusal(plan)
         if self.draws:
             self._draw(plan, stem)
+
+    @staticmethod
+    def _add_to_bag(bag: Bag, text: str, plan: Plan) -> None:
+        from flatgrasp_cli.results.saved import SavedDocument
+
+        bag.add(SavedDocument.model_validate_json(text), text, plan.cloud)
 
     def _print_table(self, plan: Plan) -> None:
         from rich.text import Text

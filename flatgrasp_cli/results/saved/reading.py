@@ -40,7 +40,7 @@ def read_documents(path: str) -> Iterator[SavedDocument]:
     with _opened(path) as lines:
         try:
             for number, text in enumerate(_texts(lines), 1):
-                yield _parsed(text, f"{path}: document {number}")
+                yield parse_document(text, f"{path}: document {number}")
         except OSError as error:
             raise SourceError(f"{path}: cannot be read: {error.strerror or error}") from error
         except UnicodeDecodeError as error:
@@ -72,7 +72,8 @@ def _texts(lines: TextIO) -> Iterator[str]:
     yield from (line for line in lines if line.strip())
 
 
-def _parsed(text: str, where: str) -> SavedDocument:
+def parse_document(text: str, where: str) -> SavedDocument:
+    """The document that a text is; raises `SourceError`, which names it by `where`, if it is none."""
     try:
         return SavedDocument.model_validate_json(text)
     except ValidationError as error:
