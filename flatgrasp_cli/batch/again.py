@@ -29,17 +29,7 @@ def frames_of(job: Job, store: Store, item: Input) -> Iterator[Frame]:
     for number, line in enumerate(store.documents(item), 1):
         document = parse_document(line, f"{item.name}.jsonl: document {number}")
         cloud = next(clouds, None)
-        yield Frame(document, line.rstrip("\n"), cloud if cloud is not None and is_cloud_of(document, cloud) else None)
-
-
-def is_cloud_of(document: SavedDocument, cloud: Cloud) -> bool:
-    """Whether a document was made of a cloud: of that time, as many points, and in the same frame."""
-    source = document.source
-    return (source.stamp_ns, source.points, document.frame_id) == (
-        cloud.source.stamp_ns,
-        len(cloud.points),
-        cloud.frame_name,
-    )
+        yield Frame(document, line.rstrip("\n"), cloud if cloud is not None and document.is_of(cloud) else None)
 
 
 def _clouds(job: Job, source: str) -> Iterator[Cloud]:

@@ -31,6 +31,7 @@ COMMANDS = {
     "profiles": "List, show and check gripper, robot and planner profiles.",
     "schema": "Print the JSON Schema of each kind of document that flatgrasp writes.",
     "simulate": "Try a gripper on objects in a simulation, as the paper does.",
+    "view": "Look at grasps in three dimensions, in a browser.",
 }
 STDOUT = 1
 

@@ -45,7 +45,11 @@ PLAIN_EVERY_S = 10.0
 )
 @click.option("--jobs", "-j", type=click.IntRange(min=1), metavar="N", help="Worker processes; all cores if not given.")
 @click.option("--cluster", metavar="ADDRESS|local", help="Work on a Dask cluster, e.g. tcp://host:8786.")
-@click.option("--plots", is_flag=True, help="Draw the final grasp of every frame as PNG, too.")
+@click.option(
+    "--plots",
+    is_flag=True,
+    help="Draw final grasps as PNG, too, and pages in 3-D.",
+)
 @bag_options
 @click.option("--force", is_flag=True, help="Start over, instead of going on with what the folder holds.")
 @click.option("--quiet", "-q", is_flag=True, help="No progress.")
@@ -90,7 +94,7 @@ def command(
                 )
                 return INTERRUPTED
         if not store.concluded(inputs):
-            _conclude(store, inputs)
+            _conclude(job, store, inputs)
     _fill(bag, job, store, inputs)
     if not quiet:
         click.echo(
@@ -119,8 +123,9 @@ def _listed(from_list: str | None) -> list[str]:
     return [line.strip() for line in text.splitlines() if line.strip()]
 
 
-def _conclude(store: Store, inputs: list[Input]) -> None:
+def _conclude(job: Job, store: Store, inputs: list[Input]) -> None:
     """Write what is about the whole batch."""
+    from flatgrasp_cli.batch.pages import write_pages
     from flatgrasp_cli.batch.report import Made, report
     from flatgrasp_cli.batch.summary import batch_values, summarize
     from flatgrasp_cli.batch.table import write_table
@@ -128,6 +133,8 @@ def _conclude(store: Store, inputs: list[Input]) -> None:
     found = summarize(store, inputs)
     values = batch_values(found)
     table = write_table(store, inputs)
+    if store.made_with()["plots"]:
+        write_pages(job, store, inputs, found)
     made = Made(store.made_with(), f"{datetime.now().astimezone():%Y-%m-%d %H:%M %Z}", table.parent, table.name)
     store.write("report.html", "".join(report(found, values, made)))
     store.write("summary.json", json.dumps(values, indent=2, ensure_ascii=False) + "\n")

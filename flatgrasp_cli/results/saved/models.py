@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.model import Pose
+from flatgrasp_cli.model import Cloud, Pose
 from flatgrasp_cli.profiles import Gripper, Robot
 from flatgrasp_cli.results.contracts.base import Number, Status, Vector2, Vector3, Vector4, Vector6
 
@@ -56,7 +56,9 @@ class SavedPose(_Saved):
 
 
 class SavedSuccess(_Saved):
-    """How probable it is that the grasp holds."""
+    """How probable it is that the grasp holds, and what else the document says of that."""
+
+    model_config = ConfigDict(extra="allow")
 
     probability: Annotated[float, Field(ge=0, le=1)] | None = None
 
@@ -97,6 +99,14 @@ class SavedGrasp(_Saved):
         return None if self.success is None else self.success.probability
 
     @property
+    def causes(self) -> list[tuple[str, float]]:
+        """What would make it fail, and how probable each is, the likeliest first."""
+        more = {} if self.success is None else self.success.model_extra or {}
+        parts = [part.items() if isinstance(part, dict) else [(key, part)] for key, part in more.items()]
+        shares = [(key, share) for part in parts for key, share in part if isinstance(share, float) and 0 < share <= 1]
+        return sorted(shares, key=lambda cause: -cause[1])
+
+    @property
     def score(self) -> float:
         """From 0 to 1, the better the larger: the probability, or where that is not known one over the rank.
 
@@ -124,6 +134,13 @@ class SavedStage(_Saved):
     kept: int
 
 
+class SavedBox(_Saved):
+    """A box square to the frame's axes."""
+
+    min: Vector3
+    max: Vector3
+
+
 class SavedObject(_Saved):
     """One object."""
 
@@ -132,6 +149,7 @@ class SavedObject(_Saved):
     reason: str | None
     remedy: str | None = None
     silhouette: SavedSilhouette | None
+    aabb: SavedBox | None = None
     funnel: list[SavedStage] = []
     grasps: list[SavedGrasp]
 
@@ -178,6 +196,15 @@ class SavedDocument(_Saved):
     robot: Annotated[Robot, _of_this_version(Robot)] | None
     support_plane: SavedPlane | None
     objects: list[SavedObject]
+
+    def is_of(self, cloud: Cloud) -> bool:
+        """Whether it was made of a cloud: of that time, as many points, in the same frame, the objects among them."""
+        source = self.source
+        made_of = (source.stamp_ns, source.points, self.frame_id)
+        if made_of != (cloud.source.stamp_ns, len(cloud.points), cloud.frame_name):
+            return False
+        boxes = (item.aabb for item in self.objects if item.aabb)
+        return all(((box.min <= cloud.points) & (cloud.points <= box.max)).all(axis=1).any() for box in boxes)
 
     @property
     def grasps(self) -> Iterator[tuple[SavedObject, SavedGrasp]]:

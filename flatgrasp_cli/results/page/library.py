@@ -1,0 +1,34 @@
+"""three.js, as the package trimesh ships it in the page of its own viewer.
+
+Of what comes in Python packages it is the smallest that draws 300,000 points in their colours: plotly is eight times as
+large and takes each colour as text, k3d and viser bring programs of their own around it.
+"""
+
+from __future__ import annotations
+
+import zipfile
+from functools import cache
+from importlib import resources
+
+from flatgrasp_cli.errors import UsageError
+
+PLACE, NAME = ("resources", "templates", "viewer.zip"), "viewer.html.template"
+BEGIN, END = "<script>", "</script>"
+EXTRAS = "\n(function(){"
+"""What begins behind the library: controls, a loader, and the viewer that trimesh has made of them."""
+MARK = "Three.js Authors"
+
+
+@cache
+def three_js() -> str:
+    """The library's source, which defines `THREE`; raises `UsageError` if the package has none."""
+    try:
+        file = resources.files("trimesh").joinpath(*PLACE)
+        with file.open("rb") as opened, zipfile.ZipFile(opened) as archive:
+            text = archive.read(NAME).decode()
+    except (ImportError, OSError, KeyError, zipfile.BadZipFile) as error:
+        raise UsageError("a page needs three.js of the package trimesh; `pip install 'trimesh>=5,<6'`") from error
+    script = text.partition(BEGIN)[2].partition(END)[0].replace("\r\n", "\n").partition(EXTRAS)[0]
+    if MARK not in script:
+        raise UsageError("the installed trimesh has no three.js in its viewer; `pip install 'trimesh>=5,<6'`")
+    return script
