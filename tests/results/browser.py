@@ -9,7 +9,7 @@ import shutil
 import subprocess
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +40,11 @@ class Browser:
         self._session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for domain in ("Page", "Network", "Runtime", "Log"):
             self.call(f"{domain}.enable")
+
+    def close(self) -> None:
+        """Let go of the pipes."""
+        self._in.close()
+        self._out.close()
 
     def call(self, method: str, **params: Any) -> dict[str, Any]:
         """Ask for something, and wait for the answer."""
@@ -145,7 +150,8 @@ def browser(home: Path) -> Iterator[Browser]:
     os.close(commands[0])
     os.close(answers[1])
     try:
-        yield Browser(answers[0], commands[1])
+        with closing(Browser(answers[0], commands[1])) as opened:
+            yield opened
     finally:
         process.terminate()
         process.wait(timeout=30)

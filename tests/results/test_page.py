@@ -428,14 +428,14 @@ def test_hostile_names_are_read_and_not_run(tab: Browser, tmp_path: Path) -> Non
 
 
 @in_a_browser
-def test_a_large_page_is_interactive_within_three_seconds(tab: Browser, tmp_path: Path) -> None:
-    path = tmp_path / "large.html"
-    path.write_text("".join(page([Frame(*large())], "large")), encoding="utf-8")
-    times = []
-    for _ in range(3):  # others may be at work on this machine
-        tab.open(path)
-        tab.wait("document.body.dataset.drawn")
-        times.append(int(tab.run("document.body.dataset.ready")))
-    assert min(times) < INTERACTIVE_MS
+def test_a_large_page_works(tab: Browser, tmp_path: Path) -> None:
+    opened(tab, tmp_path / "large.html", "".join(page([Frame(*large())], "large")))
     tab.click_on("button.grasp:nth-of-type(2)")
     assert pressed(tab)[0].startswith("#2")
+
+
+@pytest.mark.slow  # others may be at work on the machine
+@in_a_browser
+def test_a_large_page_is_interactive_within_three_seconds(tab: Browser, tmp_path: Path) -> None:
+    opened(tab, tmp_path / "large.html", "".join(page([Frame(*large())], "large")))
+    assert int(tab.run("document.body.dataset.ready")) < INTERACTIVE_MS

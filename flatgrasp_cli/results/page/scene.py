@@ -38,7 +38,7 @@ def scene_of(document: SavedDocument, cloud: Cloud | None, packed: Packed | None
         "up": _rounded(up),
         "middle": _rounded(middle),
         "radius": radius,
-        "sensor": None if cloud is None or cloud.sensor is None else _place(cloud.sensor.position),
+        "sensor": document.sensor.position,
         "plane": _plane(document, middle, radius),
         "cloud": packed and {key: getattr(packed, key) for key in ("count", "low", "step", "colored")},
         "objects": [_object(item, document) for item in document.objects],
@@ -138,10 +138,6 @@ def _in_words(key: str, value: float) -> str:
 
 def _percent(share: float) -> str:
     return f"{100 * share:.0f} %"
-
-
-def _place(place: FloatArray | None) -> list[float] | None:
-    return None if place is None else _rounded(place)
 
 
 def _rounded(values: FloatArray) -> Any:

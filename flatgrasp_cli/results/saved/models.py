@@ -176,6 +176,12 @@ class SavedSource(_Saved):
         return self.path if self.stamp_ns is None else f"{self.path} at {self.stamp_ns / 1e9:.3f} s"
 
 
+class SavedSensor(_Saved):
+    """Where the sensor was, if that is known."""
+
+    position: Vector3 | None
+
+
 class SavedWarning(_Saved):
     """Something that had to be assumed."""
 
@@ -190,6 +196,7 @@ class SavedDocument(_Saved):
     reason: str | None
     remedy: str | None = None
     source: SavedSource
+    sensor: SavedSensor
     warnings: list[SavedWarning]
     frame_id: str
     gripper: Annotated[Gripper, _of_this_version(Gripper)]
