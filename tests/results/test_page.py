@@ -32,6 +32,7 @@ from tests.plates import slab, write_pcd
 from tests.results.browser import CHROMIUM, Browser, browser
 
 HOSTILE = '</script></title><img src=x onerror="hacked=1"><script>hacked=1</script><!--\u2028\'&amp;'
+REAL = Path(__file__).resolve().parents[3] / "shared" / "data" / "recordings" / "pct_three_clouds.mcap"
 LARGEST_BYTES = 3_000_000
 INTERACTIVE_MS = 3000
 
@@ -271,6 +272,22 @@ def test_view_says_when_the_cloud_is_not_the_one(change: str, run: Run) -> None:
     (scene,) = scenes_of("pan.html")
     assert scene["cloud"] is None
     assert scene["objects"][0]["grasps"]
+
+
+def test_view_finds_each_cloud_whatever_the_order_of_the_documents(run: Run) -> None:
+    lines = run("plan", SAMPLES / "pan_ros2", "--json", "-g", "pr2").out.splitlines()
+    Path("turned.jsonl").write_text("\n".join(reversed(lines)), encoding="utf-8")
+    assert run("view", "turned.jsonl").err == "flatgrasp: wrote turned.html\n"
+    scenes = scenes_of("turned.html")
+    assert [scene["name"] for scene in scenes] == sorted((scene["name"] for scene in scenes), reverse=True)
+    assert all(scene["cloud"] for scene in scenes)
+
+
+@pytest.mark.skipif(not REAL.exists(), reason="needs the shared recordings")
+def test_view_finds_clouds_whose_own_clock_is_not_the_recordings(run: Run) -> None:
+    Path("real.jsonl").write_text(run("plan", REAL, "--json", "-g", "pr2").out, encoding="utf-8")
+    assert "warning" not in run("view", "real.jsonl").err
+    assert all(scene["cloud"] for scene in scenes_of("real.html"))
 
 
 def test_view_looks_for_the_source_beside_the_document(run: Run, tmp_path: Path) -> None:
