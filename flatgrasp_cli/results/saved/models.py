@@ -12,7 +12,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import Cloud, Pose
 from flatgrasp_cli.profiles import Gripper, Robot
-from flatgrasp_cli.results.contracts.base import Number, Status, Vector2, Vector3, Vector4, Vector6
+from flatgrasp_cli.results.contracts.base import Number, Status, Vector2, Vector3, Vector4
 
 UNIT = 1e-6
 """By how much the length of a quaternion may differ from 1: documents have nine decimals."""
@@ -66,9 +66,9 @@ class SavedSuccess(_Saved):
 class SavedJoints(_Saved):
     """An arm's joint angles along the way, radians."""
 
-    pre_grasp: Vector6
-    grasp: Vector6
-    lift: Vector6
+    pre_grasp: list[Number]
+    grasp: list[Number]
+    lift: list[Number]
 
 
 class SavedReach(_Saved):
