@@ -456,3 +456,18 @@ def test_a_large_page_works(tab: Browser, tmp_path: Path) -> None:
 def test_a_large_page_is_interactive_within_three_seconds(tab: Browser, tmp_path: Path) -> None:
     opened(tab, tmp_path / "large.html", "".join(page([Frame(*large())], "large")))
     assert int(tab.run("document.body.dataset.ready")) < INTERACTIVE_MS
+
+
+@in_a_browser
+def test_a_browser_without_webgl_still_shows_the_list(tab: Browser, tmp_path: Path) -> None:
+    blocked = tab.call(
+        "Page.addScriptToEvaluateOnNewDocument", source="HTMLCanvasElement.prototype.getContext = () => null"
+    )
+    try:
+        (tmp_path / "page.html").write_text(scene_page(), encoding="utf-8")
+        tab.open(tmp_path / "page.html")
+        assert "WebGL" in tab.run("document.getElementById('help').textContent")
+        tab.click_on("button.grasp:nth-of-type(2)")
+        assert pressed(tab)[0].startswith("#2")
+    finally:
+        tab.call("Page.removeScriptToEvaluateOnNewDocument", identifier=blocked["identifier"])

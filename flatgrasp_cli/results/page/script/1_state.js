@@ -9,6 +9,11 @@ const state = { frame: 0, grasp: null, phase: "grasp", pointPx: 2, showCloud: tr
 const clouds = new Map();  // by frame: a promise of its points
 let renderer, camera, eye, dirty = true, scene = null, grasps = [], labels = [], points = null, hands = null;
 
+function complain(text) {
+  by("help").textContent = text;
+  by("help").classList.add("error");
+}
+
 function make(tag, parent, text, kind) {
   const element = document.createElement(tag);
   if (text !== undefined) element.textContent = text;

@@ -32,7 +32,7 @@ function shade(place, color, about) {  // grey by height, lighter the higher
 
 async function showCloud(frame) {
   if (!clouds.has(frame)) clouds.set(frame, unpacked(frame));
-  const cloud = await clouds.get(frame);
+  const cloud = await clouds.get(frame).catch(() => complain("This browser is too old to unpack the cloud."));
   if (frame !== state.frame || !cloud) return;
   const geometry = new THREE.BufferGeometry();
   geometry.setAttribute("position", new THREE.BufferAttribute(cloud.place, 3));

@@ -40,8 +40,16 @@ function hand(boxes, wrist, pose, solid, color, parent) {
 
 function local(place) { return vector(place).sub(vector(SCENES[state.frame].middle)); }
 
+function forget(things) {  // what the graphics card holds of them is not found as garbage
+  things.traverse((thing) => {
+    if (thing.geometry) thing.geometry.dispose();
+    if (thing.material) thing.material.dispose();
+  });
+}
+
 function build() {
   const about = SCENES[state.frame];
+  if (scene) forget(scene);
   scene = new THREE.Scene();
   points = hands = null;
   if (about.plane) {
@@ -65,7 +73,10 @@ function build() {
 
 function showHands() {
   if (!scene) return;
-  if (hands) scene.remove(hands);
+  if (hands) {
+    scene.remove(hands);
+    forget(hands);
+  }
   hands = new THREE.Group();
   scene.add(hands);
   for (const grasp of grasps) grasp.line.material.opacity = grasp === state.grasp ? 1 : 0.6;

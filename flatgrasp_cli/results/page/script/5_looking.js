@@ -112,8 +112,7 @@ function start() {
     renderer = new THREE.WebGLRenderer({ canvas: by("canvas"), antialias: true, alpha: true });
     camera = new THREE.PerspectiveCamera(40, 1, 0.01, 100);
   } catch (error) {
-    by("help").textContent = "This browser does not draw in three dimensions (WebGL); the list works all the same.";
-    by("help").classList.add("error");
+    complain("This browser does not draw in three dimensions (WebGL); the list works all the same.");
   }
   if (renderer) { resetEye(); listen(); }
   setFrame(0);
