@@ -22,7 +22,7 @@ function hand(boxes, wrist, pose, solid, color, parent) {
   const group = new THREE.Group();
   group.position.copy(local(pose.position));
   group.quaternion.set(...pose.orientation);
-  if (wrist[0][2] - wrist[1][2] > 1e-3) stick(...wrist.map(vector), 0.018, GREY, solid ? 0.8 : 0.15, group);
+  if (wrist[0][2] - wrist[1][2] > 1e-3) stick(...wrist.map(vector), 0.018, GREY, solid ? 0.5 : 0.12, group);
   for (const [center, size] of boxes) {
     const box = new THREE.BoxGeometry(...size);
     const edges = new THREE.LineSegments(new THREE.EdgesGeometry(box),
@@ -30,8 +30,9 @@ function hand(boxes, wrist, pose, solid, color, parent) {
     edges.position.set(...center);
     group.add(edges);
     if (!solid) continue;
-    const mesh = new THREE.Mesh(box, new THREE.MeshBasicMaterial({ color, transparent: true, opacity: 0.75,
-      polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 }));
+    const palm = center === boxes[boxes.length - 1][0];  // one sees the fingers through it
+    const mesh = new THREE.Mesh(box, new THREE.MeshBasicMaterial({ color, transparent: true, opacity: palm ? 0.3 : 0.85,
+      depthWrite: !palm, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 }));
     mesh.position.set(...center);
     group.add(mesh);
   }
