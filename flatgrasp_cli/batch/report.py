@@ -13,6 +13,7 @@ from statistics import median
 from typing import Any
 from urllib.parse import quote
 
+from flatgrasp_cli.batch.pages import page_of
 from flatgrasp_cli.batch.sketch import sketch
 from flatgrasp_cli.batch.summary import NO_OBJECT, InputSummary
 from flatgrasp_cli.batch.words import in_words
@@ -168,6 +169,8 @@ def _input(one: InputSummary, reasons: list[str], made: Made) -> Iterator[str]:
         yield f'<p class="warning">{escape(warning)}</p>\n'
     if one.frames:
         share, documents = f"{one.grasped} of {one.frames}", _link(f"{one.name}.jsonl", "documents, a line a frame")
+        if made.made_with["plots"]:
+            documents += f", and {_link(page_of(one.name), 'in three dimensions')}"
         yield f'<p class="numbers">{share} frames with a grasp; {documents}. {_times([one])}</p>\n'
         yield _bar(one.grasped, one.frames)
         yield _stages(dict(one.stages.most_common()))

@@ -152,6 +152,11 @@ class Store:
             for line in lines:
                 yield json.loads(line)
 
+    def documents(self, item: Input) -> Iterator[str]:
+        """The documents of a finished input's frames, in order, as text."""
+        with suppress(FileNotFoundError), self._documents_path(item).open(encoding="utf-8") as lines:
+            yield from lines
+
     def state(self, item: Input) -> InputState | None:
         """The state of an input that was worked on to its end."""
         return self._read_state(self._done_path(item))

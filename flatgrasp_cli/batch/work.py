@@ -49,7 +49,7 @@ def work(job: Job, piece: Slice, plots: bool) -> Done:
     frames: list[PlannedFrame] = []
     error = empty = None
     mine = replace(job, selection=piece.selection(job.selection))
-    with _warnings() as warnings:
+    with collected_warnings() as warnings:
         try:
             for cloud, read_ms in mine.clouds(piece.input.source, colors=plots):
                 plan = mine.plan(cloud)
@@ -122,7 +122,7 @@ def _pictures(plan: Plan) -> dict[str, bytes]:
 
 
 @contextmanager
-def _warnings() -> Iterator[list[str]]:
+def collected_warnings() -> Iterator[list[str]]:
     """Collects what the readers warn of instead of printing it: the coordinator says it once."""
     logger, texts = logging.getLogger("flatgrasp_cli"), list[str]()
 

@@ -25,11 +25,13 @@ COMMANDS = {
     "batch": "Plan grasps on many recordings, on all cores or a cluster.",
     "cage": "Show all grasps that cage an outline or a cloud's objects.",
     "compare": "Compare our grasps with those of two point fingers (Allen et al. 2012).",
+    "export": "Write grasps in the formats of Isaac, GraspNet and MoveIt, or as a table.",
     "inspect": "Show what clouds and recordings hold.",
     "plan": "Plan grasps on point clouds.",
     "profiles": "List, show and check gripper, robot and planner profiles.",
     "schema": "Print the JSON Schema of each kind of document that flatgrasp writes.",
     "simulate": "Try a gripper on objects in a simulation, as the paper does.",
+    "view": "Look at grasps in three dimensions, in a browser.",
 }
 STDOUT = 1
 

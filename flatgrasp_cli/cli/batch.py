@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from flatgrasp_cli.cli.bag_options import BagFile, bag_options
 from flatgrasp_cli.cli.defaults import context_of
 from flatgrasp_cli.cli.planning_options import planning_options
 from flatgrasp_cli.cli.progress import bar
@@ -44,13 +45,19 @@ PLAIN_EVERY_S = 10.0
 )
 @click.option("--jobs", "-j", type=click.IntRange(min=1), metavar="N", help="Worker processes; all cores if not given.")
 @click.option("--cluster", metavar="ADDRESS|local", help="Work on a Dask cluster, e.g. tcp://host:8786.")
-@click.option("--plots", is_flag=True, help="Draw the final grasp of every frame as PNG, too.")
+@click.option(
+    "--plots",
+    is_flag=True,
+    help="Draw final grasps as PNG, too, and pages in 3-D.",
+)
+@bag_options
 @click.option("--force", is_flag=True, help="Start over, instead of going on with what the folder holds.")
 @click.option("--quiet", "-q", is_flag=True, help="No progress.")
 def command(
     sources: tuple[str, ...],
     from_list: str | None,
     job: Job,
+    bag: BagFile,
     out: Path,
     jobs: int | None,
     cluster: str | None,
@@ -73,6 +80,8 @@ def command(
     if not inputs:
         raise UsageError("nothing to plan: name files, folders, globs or URLs, or give --from-list")
     store = Store(out)
+    if force or not store.concluded(inputs):
+        bag.check_new()
     with _full_disk(out):
         store.prepare(job, plots, force=force)
         with _shown(quiet) as (say, watch):
@@ -85,7 +94,8 @@ def command(
                 )
                 return INTERRUPTED
         if not store.concluded(inputs):
-            _conclude(store, inputs)
+            _conclude(job, store, inputs)
+    _fill(bag, job, store, inputs)
     if not quiet:
         click.echo(
             f"flatgrasp: {progress.frames - progress.frames_refused} of {progress.frames} frames with a grasp, "
@@ -113,8 +123,9 @@ def _listed(from_list: str | None) -> list[str]:
     return [line.strip() for line in text.splitlines() if line.strip()]
 
 
-def _conclude(store: Store, inputs: list[Input]) -> None:
+def _conclude(job: Job, store: Store, inputs: list[Input]) -> None:
     """Write what is about the whole batch."""
+    from flatgrasp_cli.batch.pages import write_pages
     from flatgrasp_cli.batch.report import Made, report
     from flatgrasp_cli.batch.summary import batch_values, summarize
     from flatgrasp_cli.batch.table import write_table
@@ -122,10 +133,27 @@ def _conclude(store: Store, inputs: list[Input]) -> None:
     found = summarize(store, inputs)
     values = batch_values(found)
     table = write_table(store, inputs)
+    if store.made_with()["plots"]:
+        write_pages(job, store, inputs, found)
     made = Made(store.made_with(), f"{datetime.now().astimezone():%Y-%m-%d %H:%M %Z}", table.parent, table.name)
     store.write("report.html", "".join(report(found, values, made)))
     store.write("summary.json", json.dumps(values, indent=2, ensure_ascii=False) + "\n")
     store.conclude(inputs)
+
+
+def _fill(file: BagFile, job: Job, store: Store, inputs: list[Input]) -> None:
+    """Write all frames into the bag, if one was asked for; their clouds are read once more."""
+    from flatgrasp_cli.batch.again import frames_of
+
+    if file.written:
+        return
+    with file.opened() as bag:
+        if bag is None:
+            return
+        for frame in (frame for item in inputs for frame in frames_of(job, store, item)):
+            bag.add(frame.document, frame.text, frame.cloud)
+    for path in file.written:
+        _say(f"wrote {path}")
 
 
 @contextmanager

@@ -23,7 +23,7 @@ from click.core import ParameterSource
 from flatgrasp_cli.errors import ProfileError
 
 PREFIX = "FLATGRASP"
-RECORDED = ("batch", "cage", "compare", "plan")
+RECORDED = ("batch", "cage", "compare", "plan", "view")
 """The commands that plan what was recorded, which have most of their options in common."""
 COMMANDS = (*RECORDED, "simulate")
 SETTINGS = "set"

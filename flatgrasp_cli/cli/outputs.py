@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from flatgrasp_cli.model import Cloud
     from flatgrasp_cli.planning import Plan
+    from flatgrasp_cli.results.exports.bag import Bag
 
 
 NO_GRASP = 1
@@ -37,18 +38,25 @@ class Names:
 
     def of_source(self, source: str) -> str:
         """The stem of a source's name, made safe; further sources of that name are numbered."""
-        return self._unique("stdin" if source == "-" else _safe(source) or "cloud")
+        return self.unique("stdin" if source == "-" else _safe(source) or "cloud")
 
     def of_frame(self, stem: str, cloud: Cloud, source: str) -> str:
         """The stem itself for a file with one cloud; else with the frame's time in seconds, or its own file's stem."""
         if cloud.source.path not in (source, "stdin"):
-            return self._unique(f"{stem}.{_safe(cloud.source.path)}")
+            return self.unique(f"{stem}.{_safe(cloud.source.path)}")
         if cloud.source.topic is None or cloud.source.stamp_ns is None:
             return stem
-        seconds, ns = divmod(cloud.source.stamp_ns, 1_000_000_000)
-        return self._unique(f"{stem}.{seconds}.{ns:09d}")
+        return self.at(stem, cloud.source.stamp_ns)
 
-    def _unique(self, name: str) -> str:
+    def at(self, stem: str, stamp_ns: int | None) -> str:
+        """The stem with a frame's time in seconds, where that is known."""
+        if stamp_ns is None:
+            return self.unique(stem)
+        seconds, ns = divmod(stamp_ns, 1_000_000_000)
+        return self.unique(f"{stem}.{seconds}.{ns:09d}")
+
+    def unique(self, name: str) -> str:
+        """The name; one that was given before is numbered."""
         unique, n = name, 1
         while unique in self._taken:
             n += 1
@@ -106,9 +114,19 @@ class Warnings:
 
 
 class Outputs:
-    """Writes each plan as asked: into `folder` (None: no files), and to stdout as JSON or as a table."""
+    """Writes each plan as asked: into `folder` (None: no files) and a bag, and to stdout as JSON or as a table."""
 
-    def __init__(self, folder: Path | None, as_json: bool, plots: str, progress: FrameProgress, *, wide: bool) -> None:
+    def __init__(
+        self,
+        folder: Path | None,
+        as_json: bool,
+        plots: str,
+        progress: FrameProgress,
+        *,
+        wide: bool,
+        bag: Bag | None = None,
+    ) -> None:
+        self._bag = bag
         self._folder, self._as_json, self._stages, self._wide = folder, as_json, plots == "stages", wide
         self._warnings, self._progress = Warnings(), progress
         self.refused = 0
@@ -128,6 +146,8 @@ class Outputs:
             with writing(path):
                 write_text(path, [to_json(document, indent=2), "\n"])
             self.pictures.written.append(path)
+        if self._bag is not None:
+            self._add_to_bag(self._bag, to_json(document), plan)
         with self._progress.aside():
             self._warnings.tell(plan, source)
             if self._as_json:
@@ -139,6 +159,12 @@ class Outputs:
                 say_refusal(plan)
         if self.draws:
             self._draw(plan, stem)
+
+    @staticmethod
+    def _add_to_bag(bag: Bag, text: str, plan: Plan) -> None:
+        from flatgrasp_cli.results.saved import SavedDocument
+
+        bag.add(SavedDocument.model_validate_json(text), text, plan.cloud)
 
     def _print_table(self, plan: Plan) -> None:
         from rich.text import Text

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from flatgrasp_cli.cli.bag_options import BagFile, bag_options
 from flatgrasp_cli.cli.defaults import context_of
 from flatgrasp_cli.cli.outputs import NO_GRASP, Names, Outputs, Sources, say_written
 from flatgrasp_cli.cli.planning_options import planning_options
@@ -35,8 +36,11 @@ if TYPE_CHECKING:
     show_default=True,
     help="The final grasp as PNG, or every stage of the method, or nothing.",
 )
+@bag_options
 @click.option("--wide", is_flag=True, help="Print all columns, however wide the table gets.")
-def command(sources: tuple[str, ...], job: Job, out: Path | None, as_json: bool, plots: str, wide: bool) -> int:
+def command(
+    sources: tuple[str, ...], job: Job, bag: BagFile, out: Path | None, as_json: bool, plots: str, wide: bool
+) -> int:
     """Plan grasps on clouds, meshes, depth images, recordings, or "-" for standard input.
 
     Clouds are PCD or PLY; meshes PLY, STL, OBJ, OFF or glTF, sampled; depth images PNG, TIFF or .npy with --intrinsics,
@@ -47,16 +51,17 @@ def command(sources: tuple[str, ...], job: Job, out: Path | None, as_json: bool,
     not be read.
     """
     names, reading = Names(), Sources(len(sources))
-    with FrameProgress(len(sources)) as progress:
-        outputs = Outputs(out if as_json else out or Path(), as_json, plots, progress, wide=wide)
+    bag.check_new()
+    with FrameProgress(len(sources)) as progress, bag.opened() as opened:
+        outputs = Outputs(out if as_json else out or Path(), as_json, plots, progress, wide=wide, bag=opened)
         for number, source in enumerate(sources):
             _refuse_terminal(source)
             stem = names.of_source(source)
             with reading.each():
-                for cloud, read_ms in job.clouds(source, colors=outputs.draws):
+                for cloud, read_ms in job.clouds(source, colors=outputs.draws or opened is not None):
                     progress.frame(number)
                     outputs.write(job.plan(cloud), source, names.of_frame(stem, cloud, source), read_ms)
-    say_written(outputs.pictures.written)
+    say_written([*outputs.pictures.written, *bag.written])
     return reading.code or outputs.pictures.code or (NO_GRASP if outputs.refused else 0)
 
 

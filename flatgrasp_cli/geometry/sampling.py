@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import IntArray
+from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 
 GOLDEN = 0.6180339887498949
 """The golden ratio's fraction: its multiples never fall into step with the rows of an image."""
@@ -20,3 +20,13 @@ def spread_indices(count: int, size: int) -> IntArray:
         return np.arange(count)
     stretch = np.arange(size)
     return np.asarray((stretch + (GOLDEN * stretch) % 1.0) * (count / size), dtype=np.intp)
+
+
+def one_a_cell(points: FloatArray, cell_m: float) -> IntArray:
+    """Indices (k,), rising, of the first of `points` (n, 3) in each cube of `cell_m` metres that holds any."""
+    cubes = np.zeros(len(points), dtype=np.int64)
+    for steps in np.floor(points.T / cell_m).astype(np.int64):  # numbered axis by axis, so that no number is too large
+        apart = steps - steps.min(initial=0)
+        _, cubes = np.unique(cubes * (apart.max(initial=0) + 1) + apart, return_inverse=True)
+    _, first = np.unique(cubes, return_index=True)
+    return np.sort(first)

@@ -49,12 +49,16 @@ KnownFrom = Literal[
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Where a cloud was recorded: file, topic, time, and its place among the frames read."""
+    """Where a cloud was recorded: file, topic, time, and its place among the frames read.
+
+    `logged_ns` is when the recording took it down, `stamp_ns` what the message says itself, where it does.
+    """
 
     path: str = "array"
     topic: str | None = None
     stamp_ns: int | None = None
     index: int = 0
+    logged_ns: int | None = None
 
     def __str__(self) -> str:
         return self.path if self.stamp_ns is None else f"{self.path} at {self.stamp_ns / 1e9:.3f} s"

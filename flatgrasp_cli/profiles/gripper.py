@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
@@ -12,6 +13,9 @@ from flatgrasp_cli.profiles.uncertainty import HandUncertainty
 Offsets = Annotated[tuple[Place, ...], Field(min_length=1, max_length=10)]
 MOTIONS = {"parallel": "two parallel fingers", "arc": "two fingers on an arc", "underactuated": "two adaptive fingers"}
 JAWS = {1: "thumb", 2: "finger pair"}
+Axis = Literal["x", "y", "z", "-x", "-y", "-z"]
+JointRow = Annotated[tuple[Annotated[float, Field(ge=-100, le=100)], ...], Field(min_length=2)]
+"""An opening in metres and the position of each joint at it, radians or metres."""
 LEAST_STROKE_M = 1e-3
 """Fingers that move less between open and closed grasp nothing: recorded points scatter as much."""
 
@@ -64,6 +68,17 @@ class Gripper(Profile):
     """The force with which the fingers can press, newtons; None: not known."""
     uncertainty: HandUncertainty | None = None
     """How well the hand's place and its pads' friction are known, where that is better or worse than usual."""
+    joint_names: Annotated[tuple[str, ...], Field(min_length=1)] | None = None
+    """The joints that are driven, as the hand's URDF names them, without those that mimic them; None: not known."""
+    joints_at_opening: Annotated[tuple[JointRow, ...], Field(min_length=2)] | None = None
+    """Rows of an opening in metres and the position of each of `joint_names` at it, radians or metres, openings rising.
+    Positions between two rows are interpolated, those beyond the last are the last. None: not known."""
+    base_link: Annotated[str, Field(min_length=1)] | None = None
+    """The link of the hand's URDF that stands where the hand is mounted; None: not known."""
+    base_link_closes: Axis = "y"
+    """The axis of `base_link` along which the fingers close."""
+    base_link_approaches: Axis = "z"
+    """The axis of `base_link` along which the fingers point."""
 
     @model_validator(mode="after")
     def _adapter_ends_before_the_palm(self) -> Self:
@@ -80,6 +95,24 @@ class Gripper(Profile):
                 f"max_opening_m {self.max_opening_m} must be {LEAST_STROKE_M} m more than min_opening_m "
                 f"{self.min_opening_m} at least"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _joints_are_a_table(self) -> Self:
+        names, rows = self.joint_names, self.joints_at_opening
+        if (names is None) != (rows is None):
+            raise ValueError("joint_names and joints_at_opening belong together: give both, or leave out both")
+        if names is not None and rows is not None:
+            if any(len(row) != 1 + len(names) for row in rows):
+                raise ValueError(f"joints_at_opening has rows of an opening and {len(names)} positions, in m and rad")
+            if any(high[0] <= low[0] for low, high in pairwise(rows)):
+                raise ValueError("joints_at_opening has its openings in rising order, none twice")
+        return self
+
+    @model_validator(mode="after")
+    def _base_link_has_two_axes(self) -> Self:
+        if self.base_link_closes[-1] == self.base_link_approaches[-1]:
+            raise ValueError("base_link_closes and base_link_approaches are two different axes")
         return self
 
     @property

@@ -172,7 +172,7 @@ def _cloud(decoded: Decoded, message: Message, source: Source, scale: float) -> 
     return Cloud(
         points=decoded.points if scale == 1.0 else scale * decoded.points,
         viewpoint=None if viewpoint is None else scale * viewpoint,
-        source=replace(source, topic=message.topic.name, stamp_ns=stamp_ns),
+        source=replace(source, topic=message.topic.name, stamp_ns=stamp_ns, logged_ns=message.stamp_ns),
         frame_id=decoded.frame_id,
         dropped=decoded.dropped,
         colors=decoded.colors,

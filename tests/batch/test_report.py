@@ -74,6 +74,7 @@ def page(folder: Path, end: str = "</body>") -> Path:
         "robot": None,
         "base_frame": None,
         "version": "1",
+        "plots": True,
     }
     made = Made(made_with, "today", folder, "grasps.parquet")
     path = folder / "report.html"

@@ -21,8 +21,9 @@ from flatgrasp_cli.results.contracts import json_schema
 from flatgrasp_cli.results.contracts.plan import Document
 from flatgrasp_cli.results.document import to_document, to_json
 from flatgrasp_cli.results.figures import as_png, final_figure, stage_figures
-from flatgrasp_cli.results.figures.hand import DrawnHand, finger_boxes
+from flatgrasp_cli.results.figures.hand import DrawnHand
 from flatgrasp_cli.results.figures.style import RED
+from flatgrasp_cli.results.hand_boxes import finger_boxes
 from flatgrasp_cli.results.view import View, view_of
 from tests.conftest import SAMPLES, cloud_of, planned_sample, rectangle, sampled
 

@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from flatgrasp_cli.profiles import Gripper
-from flatgrasp_cli.results.figures.hand import finger_boxes
 from flatgrasp_cli.results.figures.style import BLACK, BLUE, GREEN, GREY, MM, ORANGE, PALE, RED, new_figure
+from flatgrasp_cli.results.hand_boxes import finger_boxes
 
 AXIS_MM = 33.0
 """Length of the arrows that stand for a frame's axes."""

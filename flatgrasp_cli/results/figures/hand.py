@@ -15,12 +15,11 @@ from flatgrasp_cli.geometry.frames import axes_from_quaternion
 from flatgrasp_cli.model import Grasp
 from flatgrasp_cli.profiles import Gripper
 from flatgrasp_cli.results.figures.style import GREEN, GREY, HALO, MM, ORANGE, RED
+from flatgrasp_cli.results.hand_boxes import PALM_THICKNESS_M, finger_boxes
 from flatgrasp_cli.results.view import View
 
 AXIS_M, NAME_M = 0.012, 0.018
 """Length of the hand's axes, drawn beyond its rim where they hide nothing, and where their names are."""
-PALM_THICKNESS_M = 0.01
-"""Of a palm drawn in space: profiles do not say how thick it is."""
 WEDGE = np.array([[0.0, 0.0], [1.0, 0.5], [1.0, -0.5], [0.0, 0.0]])
 """A contact's mark: its tip on the contact, the rest outside of the object, so that it hides no narrow one."""
 WEDGE_PT = 18.0
@@ -45,14 +44,6 @@ class DrawnHand:
     def place(self, corners: FloatArray) -> FloatArray:
         """Points (n, 2) of the hand's x-y plane, metres, in the drawing."""
         return np.asarray(self.origin + MM * (corners[:, :1] * self.x + corners[:, 1:] * self.y))
-
-
-def finger_boxes(gripper: Gripper, opening_m: float) -> list[tuple[float, float, float, float]]:
-    """Each finger as (x_min, x_max, y_min, y_max) in the hand's frame, metres."""
-    half, inner, outer = gripper.finger_width_m / 2, opening_m / 2, opening_m / 2 + gripper.finger_thickness_m
-    minus = [(offset - half, offset + half, -outer, -inner) for offset in gripper.jaws[0]]
-    plus = [(offset - half, offset + half, inner, outer) for offset in gripper.jaws[1]]
-    return minus + plus
 
 
 def hand_solids(grasp: Grasp, gripper: Gripper) -> tuple[list[FloatArray], FloatArray]:
