@@ -16,7 +16,7 @@ from urllib.parse import quote
 from flatgrasp_cli.batch.pages import page_of
 from flatgrasp_cli.batch.sketch import sketch
 from flatgrasp_cli.batch.summary import NO_OBJECT, InputSummary
-from flatgrasp_cli.batch.words import in_words
+from flatgrasp_cli.batch.words import in_words, object_in_words
 from flatgrasp_cli.profiles import Gripper, load_settings
 from flatgrasp_cli.sources.remote import is_url
 
@@ -235,17 +235,9 @@ def _figure(index: int, record: dict[str, Any], reasons: list[str]) -> str:
     stamp = record["stamp_ns"]
     when = "" if stamp is None else f" at {stamp / 1e9:.3f} s"
     pictures = " ".join(_link(path, f"{path.rsplit('.', 2)[-2]} picture") for path in record["pictures"])
-    lines = [_object(thing) for thing in record["objects"]] or [escape(record["reason"] or "")]
+    lines = [escape(object_in_words(thing)) for thing in record["objects"]] or [escape(record["reason"] or "")]
     items = "".join(f"<li>{line}</li>" for line in lines)
     return (
         f'<figure class="{" ".join(marks)}">{sketch(record["sketch"])}'
         f"<figcaption>#{index}{when} {pictures}<ol>{items}</ol></figcaption></figure>\n"
     )
-
-
-def _object(thing: dict[str, Any]) -> str:
-    """An object in a line."""
-    if "pose" not in thing:
-        return f"{thing['id']}: no grasp: {escape(thing['reason'] or '')}"
-    line = f"{thing['id']}: {1000 * thing['width_m']:.0f} mm wide, opens {1000 * thing['opening_m']:.0f} mm"
-    return line + (f", holds with {100 * thing['success']['probability']:.0f} %" if thing["success"] else "")

@@ -1,6 +1,8 @@
-"""What the stages of the method mean for whoever reads a report."""
+"""What came of objects, and what the stages of the method mean, for whoever reads a report."""
 
 from __future__ import annotations
+
+from typing import Any
 
 WORDS = {
     "scene": "no object was found",
@@ -31,3 +33,11 @@ WORDS = {
 def in_words(stage: str) -> str:
     """Why nothing was left after a stage."""
     return WORDS.get(stage, f"nothing left after {stage.replace('_', ' ')}")
+
+
+def object_in_words(thing: dict[str, Any]) -> str:
+    """An object of a record in a line: its best grasp, and how probably that holds, or why it has none."""
+    if "pose" not in thing:
+        return f"{thing['id']}: no grasp: {thing['reason'] or ''}"
+    line = f"{thing['id']}: {1000 * thing['width_m']:.0f} mm wide, opens {1000 * thing['opening_m']:.0f} mm"
+    return line + (f", holds with {100 * thing['success']['probability']:.0f} %" if thing["success"] else "")
