@@ -29,6 +29,7 @@ COMMANDS = {
     "plan": "Plan grasps on point clouds.",
     "profiles": "List, show and check gripper, robot and planner profiles.",
     "schema": "Print the JSON Schema of each kind of document that flatgrasp writes.",
+    "serve": "Answer requests to plan, a line each, on standard input or a socket.",
     "simulate": "Try a gripper on objects in a simulation, as the paper does.",
 }
 STDOUT = 1

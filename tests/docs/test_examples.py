@@ -14,11 +14,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flatgrasp_cli import load_gripper, load_robot, plan, to_document
+from flatgrasp_cli import load_gripper, load_robot, load_settings, plan, to_document
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import axes_from_quaternion
+from flatgrasp_cli.job import Job
 from flatgrasp_cli.model import Cloud
+from flatgrasp_cli.placing import Workcell
 from flatgrasp_cli.robot import forward
+from flatgrasp_cli.serving import Answerer
 from tests.conftest import Box, Camera
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -134,7 +137,15 @@ def ros(monkeypatch: pytest.MonkeyPatch) -> Recorder:
         "std_msgs": {},
         "std_msgs.msg": messages,
         "rclpy": {name: getattr(recorder, name) for name in ("init", "create_node", "spin")},
-        "rclpy.qos": {"QoSProfile": Message, "DurabilityPolicy": SimpleNamespace(TRANSIENT_LOCAL=1)},
+        "rclpy.qos": {
+            "QoSProfile": Message,
+            "DurabilityPolicy": SimpleNamespace(TRANSIENT_LOCAL=1),
+            "ReliabilityPolicy": SimpleNamespace(BEST_EFFORT=1),
+        },
+        "sensor_msgs": {},
+        "sensor_msgs.msg": {"PointCloud2": Message},
+        "sensor_msgs_py": {},
+        "sensor_msgs_py.point_cloud2": {"read_points_numpy": lambda cloud, _: cloud.points},
         "moveit": {},
         "moveit.planning": {"MoveItPy": lambda **_: recorder},
     }
@@ -173,6 +184,45 @@ def test_moveit_gets_the_pose_before_the_grasp_for_the_flange(
     assert goal["pose_stamped_msg"].header.frame_id == "base"
     check(goal["pose_stamped_msg"].pose, document["objects"][0]["grasps"][0]["flange"]["pre_grasp"])
     assert ros.calls["execute"] == (("the trajectory",), {"controllers": []})
+
+
+class Lines:
+    """A socket's file at whose other end a process plans; it keeps what came last."""
+
+    def __init__(self) -> None:
+        self._answerer = Answerer(lambda _: Job(load_gripper("pr2"), load_settings(), Workcell()))
+        self.asked = self.said = ""
+
+    def makefile(self, mode: str) -> Lines:
+        assert mode == "rw"
+        return self
+
+    def write(self, text: str) -> None:
+        self.asked += text
+
+    def flush(self) -> None:
+        self.said, self.asked = self._answerer.answer(self.asked.encode()), ""
+
+    def readline(self) -> str:
+        return self.said
+
+
+def test_a_ros_2_node_asks_a_process_that_stays(ros: Recorder, monkeypatch: pytest.MonkeyPatch) -> None:
+    lines = Lines()
+    monkeypatch.setattr("socket.create_connection", lambda _: lines)
+    runpy.run_path(str(EXAMPLES / "ros2_node.py"))
+    ros.calls.pop("publish", None)
+    (_, topic, plan_on, _), _ = ros.calls["create_subscription"]
+    cloud = Camera(tilt_deg=20, target=(0.45, -0.1, 0.0)).sees(
+        Box((0.45, 0.0, -0.01), (0.9, 0.7, 0.02)), Box((0.45, -0.1, 0.02), (0.10, 0.04, 0.04), 30)
+    )
+    plan_on(SimpleNamespace(header="header", width=len(cloud.points), height=1, points=cloud.points))
+    (message,), _ = ros.calls["publish"]
+    assert (topic, message.header) == ("points", "header")
+    check(message.pose, json.loads(lines.said)["documents"][0]["objects"][0]["grasps"][0]["flange"]["pose"])
+    nothing = SimpleNamespace(header="header", width=1, height=1, points=np.full((1, 3), np.nan))
+    plan_on(nothing)
+    assert "no point of the cloud" in ros.calls["warn"][0][0]
 
 
 def test_what_the_readme_shows_of_them_is_theirs() -> None:
