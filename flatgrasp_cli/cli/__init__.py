@@ -25,6 +25,7 @@ COMMANDS = {
     "batch": "Plan grasps on many recordings, on all cores or a cluster.",
     "cage": "Show all grasps that cage an outline or a cloud's objects.",
     "compare": "Compare our grasps with those of two point fingers (Allen et al. 2012).",
+    "doctor": "Check the installation: versions, extras, a self-test.",
     "inspect": "Show what clouds and recordings hold.",
     "plan": "Plan grasps on point clouds.",
     "profiles": "List, show and check gripper, robot and planner profiles.",
