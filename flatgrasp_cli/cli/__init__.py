@@ -16,7 +16,6 @@ from typing import Any
 
 import click
 
-from flatgrasp_cli import __version__
 from flatgrasp_cli.errors import FlatgraspError, UsageError
 from flatgrasp_cli.interrupts import INTERRUPTED
 from flatgrasp_cli.threads import one_thread_each
@@ -73,8 +72,18 @@ class _LazyGroup(click.Group):
             formatter.write_dl(list(COMMANDS.items()))
 
 
+def _say_version(context: click.Context, _parameter: click.Parameter, asked: bool) -> None:
+    if asked and not context.resilient_parsing:
+        from flatgrasp_cli import __version__
+
+        click.echo(f"flatgrasp {__version__}")
+        context.exit()
+
+
 @click.group(cls=_LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(__version__, prog_name="flatgrasp")
+@click.option(
+    "--version", is_flag=True, is_eager=True, expose_value=False, callback=_say_version, help="Print the version."
+)
 def cli() -> None:
     """Find where a two-finger gripper should close on a flat unknown object, and why there.
 

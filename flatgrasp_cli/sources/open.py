@@ -109,11 +109,11 @@ def on_disk(name: str) -> Iterator[Path]:
     SourceError
         If there is none, it is a device, or a pipe does not end.
     """
-    path = Path(name)
-    if name != STDIN and (path.is_file() or path.is_dir()):
-        with _reporting(name):
+    with _reporting(name):
+        path = Path(name)
+        if name != STDIN and (path.is_file() or path.is_dir()):
             yield path
-        return
+            return
     with _spooled(name) as spool:
         if is_url(name):
             copy_url(name, spool)
@@ -127,7 +127,12 @@ def on_disk(name: str) -> Iterator[Path]:
 @contextmanager
 def _spooled(name: str) -> Iterator[IO[bytes]]:
     """A temporary file, for what has no place on disk of its own."""
-    with _reporting(name), tempfile.NamedTemporaryFile(prefix="flatgrasp-") as spool:
+    # in a folder: a file that goes away when it is closed cannot be opened a second time on Windows
+    with (
+        _reporting(name),
+        tempfile.TemporaryDirectory(prefix="flatgrasp-") as folder,
+        (Path(folder) / "source").open("wb") as spool,
+    ):
         yield spool
 
 
