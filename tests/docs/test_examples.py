@@ -23,6 +23,7 @@ from flatgrasp_cli.placing import Workcell
 from flatgrasp_cli.robot import forward
 from flatgrasp_cli.serving import Answerer
 from tests.conftest import Box, Camera
+from tests.robot.arms import rows
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "docs" / "examples"
@@ -71,7 +72,7 @@ def test_the_ur_script_goes_where_the_joints_of_the_plan_go(
         found = re.search(r"movel\(p(\[.*?\]), a=", line)
         assert found is not None
         numbers = np.array(json.loads(found.group(1)))
-        flange = forward(UR5.dh, np.array(joints[name]))[5]
+        flange = forward(rows(UR5), np.array(joints[name]))[5]
         assert numbers[:3] == pytest.approx(flange[:3, 3], abs=1e-6)
         assert turned_by(numbers[3:]) == pytest.approx(flange[:3, :3], abs=1e-6)
         assert np.linalg.norm(numbers[3:]) <= np.pi + 1e-9

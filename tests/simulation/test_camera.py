@@ -23,6 +23,7 @@ from flatgrasp_cli.simulation.camera import (
 from flatgrasp_cli.simulation.looking import BESIDE_M, look_at, look_by_arm, spot_of
 from flatgrasp_cli.simulation.solids import Mesh, box, ellipsoid
 from flatgrasp_cli.simulation.trial import TABLE
+from tests.robot.arms import rows
 
 DOWN = np.diag([1.0, -1.0, -1.0])
 
@@ -116,7 +117,7 @@ def test_an_arm_brings_its_camera_there_and_the_hand_stays_out_of_view(robot: st
     spot = spot_of(arm)
     look = look_by_arm(arm, hand, spot, np.radians(20), 0.3)
     assert look.joints is not None
-    pose = forward(arm.dh, look.joints)[5]
+    pose = forward(rows(arm), look.joints)[5]
     flange = Frame(in_dh_base(arm.base_frame, pose[:3, 3]), in_dh_base(arm.base_frame, pose[:3, :3].T))
     c, s = np.cos(np.radians(30)), np.sin(np.radians(30))
     hand_x, hand_y = c * flange.axes[0] + s * flange.axes[1], c * flange.axes[1] - s * flange.axes[0]
@@ -129,7 +130,7 @@ def test_an_arm_brings_its_camera_there_and_the_hand_stays_out_of_view(robot: st
 
 def test_an_arm_that_gets_its_camera_nowhere_says_what_to_do() -> None:
     ur5 = load_robot("ur5")
-    short = ur5.dh.model_copy(update={"a_m": (0.0, -0.05, -0.05, 0.0, 0.0, 0.0)})
+    short = rows(ur5).model_copy(update={"a_m": (0.0, -0.05, -0.05, 0.0, 0.0, 0.0)})
     stump = ur5.model_copy(update={"dh": short})
     with pytest.raises(
         UsageError, match=r"ur5 brings its camera nowhere .* give another --sensor-tilt, or --robot none"

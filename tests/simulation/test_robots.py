@@ -20,6 +20,7 @@ from flatgrasp_cli.simulation.parts import Kind, Pads
 from flatgrasp_cli.simulation.solids import box, rod
 from flatgrasp_cli.simulation.things import Thing
 from flatgrasp_cli.simulation.world import World
+from tests.robot.arms import rows
 
 DOWN = np.array([1.0, 0.0, 0.0, 0.0])
 """The palm's z axis points down, as a quaternion [x, y, z, w]."""
@@ -140,7 +141,7 @@ def test_an_arm_is_where_its_rows_say_and_goes_where_it_is_told(name: str, base:
     start = np.radians(robot.reach.reference_deg) + np.array([0.3, 0.2, 0.1, -0.2, 0.3, 0.4])
     world.reset(start, 0.05)
     palm, turn = world.palm()
-    flange = forward(robot.dh, start)[5]
+    flange = forward(rows(robot), start)[5]
     axes = in_dh_base(robot.base_frame, flange[:3, :3].T)
     place = in_dh_base(robot.base_frame, flange[:3, 3]) + gripper.palm_offset_m * axes[2]
     assert palm == pytest.approx(place, abs=1e-9)
