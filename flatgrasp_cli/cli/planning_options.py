@@ -87,7 +87,7 @@ OPTIONS = (
         "--robot",
         metavar="NAME|FILE",
         shell_complete=complete_profile("robot"),
-        help="Robot profile: keep only grasps that it reaches, with joint angles.",
+        help="Robot profile, or a URDF: keep only grasps that it reaches, with joint angles.",
     ),
     option(
         "--camera-pose",

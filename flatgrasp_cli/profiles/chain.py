@@ -46,7 +46,8 @@ class Chain(Profile):
 class Lock(Profile):
     """How the joint too many of a seven-joint arm is dealt with: it is tried at several values, and kept on the way."""
 
-    joint: Annotated[int, Field(ge=1, le=7)]
-    """The number of that joint, from 1 at the base: one without which the others have a closed form."""
+    joint: Annotated[int, Field(ge=1, le=7)] | None = None
+    """The number of that joint, from 1 at the base: one without which the others have a closed form. None: the last,
+    the third, or another for which they do."""
     values: Annotated[int, Field(ge=1, le=100)]
-    """The number of its values, evenly spaced within its limits."""
+    """The number of its values, evenly spaced within its limits, or over a turn if they are wider."""

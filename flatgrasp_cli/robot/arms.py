@@ -15,7 +15,7 @@ from flatgrasp_cli.errors import UsageError
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.profiles.chain import Chain
 from flatgrasp_cli.profiles.robot import DenavitHartenberg, Robot
-from flatgrasp_cli.robot.chain import Joints
+from flatgrasp_cli.robot.chain import Joints, Stance
 from flatgrasp_cli.robot.closed_form import ClosedForm
 from flatgrasp_cli.robot.frames import in_dh_base
 from flatgrasp_cli.robot.kinematics import forward, heights, inverse, manipulability, max_manipulability
@@ -23,6 +23,9 @@ from flatgrasp_cli.robot.kinematics import forward, heights, inverse, manipulabi
 STANCES = 4096
 """Joint angles, drawn evenly, among which an arm's largest manipulability is looked for: other draws of as many differ
 by some percent, where the limit is a few percent of it."""
+FOLLOWED = 8
+"""Solutions of a grasp that are followed, those nearest to the reference stance, of which the nearest that goes on is
+taken: as many as an arm of six joints usually has. Of seven there are as many for each value of the locked one."""
 ALONG = 1e-6
 """By how much the last axis may miss the flange's z axis, metres and sine."""
 
@@ -117,7 +120,7 @@ class ChainArm:
         self._solver = ClosedForm(robot.name, self._joints, robot.lock, (self._lower, self._upper))
         self.shoulder = self._joints.points[1]
         before_wrist = robot.count - 5  # joints from the third to the one before the wrist's three
-        links = robot.links
+        links, self._reference = robot.links, np.radians(robot.reach.reference_deg)
         self.radii_m: FloatArray = np.array([links.elbow_m] * before_wrist + [links.wrist_m] * 3)
         drawn = np.random.default_rng(0).uniform(self._lower, self._upper, (STANCES, robot.count))
         self.most_manipulability = float(self.manipulability(drawn.T).max())
@@ -133,13 +136,15 @@ class ChainArm:
     def paths(self, waypoints: FloatArray, axes: FloatArray) -> FloatArray:
         """See `Arm`; solutions that pass a limit at once stay where they are, and the others go on."""
         rows, angles = self._solver.solve(waypoints[0], axes)
-        rows, angles = self._without_hopeless(rows, angles)
+        chosen = self._chosen(rows, angles)
+        rows, angles = rows[chosen], angles[chosen]
         within = self._within(angles)
-        steps = [angles]
+        before, steps = angles, [angles]
         for positions in waypoints[1:]:
-            angles = angles.copy()
+            ahead = 2 * angles - before  # a waypoint goes on as the last one did, but for where the way bends
+            before, angles = angles, angles.copy()
             angles[within] = self._joints.settled(
-                angles[within], positions[rows[within]], axes[rows[within]], self._solver.free
+                ahead[within], positions[rows[within]], axes[rows[within]], self._solver.free
             )
             steps.append(angles)
         return _by_grasp(rows, np.stack(steps, axis=1), len(axes))
@@ -150,26 +155,37 @@ class ChainArm:
         turn = 2 * np.pi
         return np.asarray((np.ceil(least / turn - 1e-9) <= np.floor(most / turn + 1e-9)).all(axis=1))
 
-    def _without_hopeless(self, rows: IntArray, angles: FloatArray) -> tuple[IntArray, FloatArray]:
-        """The solutions within limits, and of a pose that has none one that is not: that says what is wrong."""
-        within = self._within(angles)
-        lost = ~np.isin(rows, rows[within])
-        first = np.zeros(len(rows), dtype=bool)
-        first[np.unique(rows, return_index=True)[1]] = True
-        keep = within | (lost & first)
-        return rows[keep], angles[keep]
+    def _chosen(self, rows: IntArray, angles: FloatArray) -> IntArray:
+        """Which solutions to follow: `FOLLOWED` of each pose within limits, and one beyond where there is none.
+
+        The latter is what says which limit is in the way.
+        """
+        apart = np.remainder(angles - self._reference + np.pi, 2 * np.pi) - np.pi
+        order = np.lexsort((np.square(apart).sum(axis=1), ~self._within(angles), rows))
+        place = np.arange(len(rows)) - np.searchsorted(rows[order], rows[order])
+        within = self._within(angles)[order]
+        return np.asarray(order[(place == 0) | (within & (place < FOLLOWED))])
 
     def manipulability(self, angles: FloatArray) -> FloatArray:
         """See `Arm`: √det(J·Jᵀ)."""
-        jacobian = self._joints.stance(angles.reshape(len(angles), -1).T).jacobian()
-        with np.errstate(invalid="ignore"):  # NaN is how a branch says that it does not exist
-            squared = np.linalg.det(jacobian @ jacobian.transpose(0, 2, 1))
-        return np.asarray(np.sqrt(np.where(squared < 0, 0.0, squared)).reshape(angles.shape[1:]))
+        stance, there = self._stances(angles)
+        jacobian = stance.jacobian()
+        found = np.full(angles.shape[1:], np.nan)
+        squared = np.linalg.det(jacobian @ jacobian.transpose(0, 2, 1))
+        found[there] = np.sqrt(np.maximum(squared, 0.0))
+        return found
 
     def heights(self, angles: FloatArray, normal: FloatArray) -> FloatArray:
         """See `Arm`: of the joints from the third on and of the wrist's, up to the last."""
-        points = self._joints.stance(angles.reshape(len(angles), -1).T).points[:, 2:] @ normal
-        return np.asarray(points.T.reshape(-1, *angles.shape[1:]))
+        stance, there = self._stances(angles)
+        found = np.full((len(self.radii_m), *angles.shape[1:]), np.nan)
+        found[:, there] = (stance.points[:, 2:] @ normal).T
+        return found
+
+    def _stances(self, angles: FloatArray) -> tuple[Stance, BoolArray]:
+        """The stances at joint angles (j, …), and where there are any: most branches do not exist."""
+        there = np.asarray(~np.isnan(angles).any(axis=0))
+        return self._joints.stance(angles[:, there].T), there
 
     def links(self, angles: FloatArray) -> FloatArray:
         """See `Arm`."""

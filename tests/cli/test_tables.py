@@ -104,6 +104,15 @@ def test_joints_are_in_the_table_in_degrees() -> None:
     assert str(table.columns[-1].header).startswith("joints")
 
 
+def test_seven_joints_have_room(run: Run) -> None:
+    pytest.importorskip("eaik")
+    done = run("plan", SCENE, "--plots", "none", "--robot", "franka_fr3", "--camera-pose", POSE, "--object", "largest")
+    lines = done.out.splitlines()
+    assert max(map(len, lines)) <= 80
+    assert len(next(line for line in lines if line.split()[1:2] == ["1"]).split()) == 4 + 3 + 7
+    assert not any("needs" in line for line in lines)
+
+
 def test_wide_tables_say_the_rest(run: Run) -> None:
     done = run("plan", SCENE, "--plots", "none", "--wide")
     assert "force balance" in done.out

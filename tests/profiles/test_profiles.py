@@ -27,7 +27,8 @@ def test_all_that_the_readme_promises_ship() -> None:
         "wsg_50",
         "xarm_gripper",
     ]
-    assert list_profiles("robot") == ["ur10", "ur10e", "ur3", "ur3e", "ur5", "ur5e"]
+    others = ["franka_fr3", "kinova_gen3", "kinova_gen3_6dof", "xarm6"]
+    assert list_profiles("robot") == sorted([*others, "ur10", "ur10e", "ur3", "ur3e", "ur5", "ur5e"])
     assert list_profiles("planner") == ["allen", "default", "paper"]
 
 
