@@ -8,7 +8,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
 from flatgrasp_cli.profiles.chain import Chain
@@ -53,6 +52,8 @@ class Joints:
     @classmethod
     def of(cls, chain: Chain) -> Joints:
         """Those of a profile."""
+        from scipy.spatial.transform import Rotation  # which takes longer to load than all of this package
+
         turn, place, points, axes = np.eye(3), np.zeros(3), [], []
         for each in (*chain.joints, chain.flange):
             place = place + turn @ np.array(each.xyz_m)
