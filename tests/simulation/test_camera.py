@@ -9,7 +9,6 @@ from flatgrasp_cli import load_gripper, load_robot
 from flatgrasp_cli.errors import UsageError
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame
-from flatgrasp_cli.profiles import list_profiles
 from flatgrasp_cli.robot import forward, in_dh_base
 from flatgrasp_cli.simulation.camera import (
     DISPARITY_STEP_PX,
@@ -23,7 +22,7 @@ from flatgrasp_cli.simulation.camera import (
 from flatgrasp_cli.simulation.looking import BESIDE_M, look_at, look_by_arm, spot_of
 from flatgrasp_cli.simulation.solids import Mesh, box, ellipsoid
 from flatgrasp_cli.simulation.trial import TABLE
-from tests.robot.arms import rows
+from tests.robot.arms import ROBOTS, rows
 
 DOWN = np.diag([1.0, -1.0, -1.0])
 
@@ -110,7 +109,7 @@ def test_a_floating_camera_looks_at_the_spot_at_its_tilt(azimuth: float) -> None
     assert np.arctan2(out[1], out[0]) == pytest.approx(azimuth)
 
 
-@pytest.mark.parametrize("robot", list_profiles("robot"))
+@pytest.mark.parametrize("robot", ROBOTS)
 @pytest.mark.parametrize("gripper", ["lacquey", "franka_hand"])
 def test_an_arm_brings_its_camera_there_and_the_hand_stays_out_of_view(robot: str, gripper: str) -> None:
     arm, hand = load_robot(robot), load_gripper(gripper).model_copy(update={"mounted_deg": 30.0})
