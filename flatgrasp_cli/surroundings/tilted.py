@@ -13,6 +13,7 @@ import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray, true_entries
+from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 from flatgrasp_cli.geometry.range_image import RangeImage
 from flatgrasp_cli.geometry.raster import Raster
@@ -97,15 +98,10 @@ class Tilted:
         spacing_m = min(spacing(local[:, :2]), NEIGHBOURS_WITHIN * self.floor.spacing_m)
         cell_m, palm_cell_m = max(MIN_CELL_M, spacing_m), max(PALM_CELL_M, spacing_m)
 
-        def standing(cell_m: float) -> HeightMap:
-            """The highest of the floor and of the others."""
-            empty = HeightMap.around(local, cell_m, FINGERS_M)
-            return empty.filled(self.floor.levels, frame, self.floor.frame).raised(obstacles)
-
-        coarse = standing(palm_cell_m).raised(local)
+        coarse = self._standing(local, frame, palm_cell_m).raised(obstacles).raised(local)
         if not self._has_room(coarse, local, gripper):
             return None
-        others = standing(cell_m)
+        others = self._standing(local, frame, cell_m).raised(obstacles)
         body = self._body
         x, y, _ = frame.to_local(body).T
         body = body[others.averaged(local).over(x, y) == UNSEEN]
@@ -130,6 +126,10 @@ class Tilted:
             height_m=self._height_m,
         )
         return Place(box=box, frame=frame, points=points, surroundings=around, spacing_m=spacing_m)
+
+    def _standing(self, local: FloatArray, frame: Frame, cell_m: float) -> HeightMap:
+        """The floor around points `local` (n, 3), seen along z of the `frame`."""
+        return HeightMap.around(local, cell_m, FINGERS_M).filled(self.floor.levels, frame, self.floor.frame)
 
     def _has_room(self, coarse: HeightMap, local: FloatArray, gripper: Gripper) -> bool:
         """Whether, over points `local` (n, 3), anything as wide as the palm is free where the palm is at the highest.
