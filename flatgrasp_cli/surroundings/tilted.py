@@ -102,9 +102,8 @@ class Tilted:
         if not self._has_room(coarse, local, gripper):
             return None
         others = self._standing(local, frame, cell_m).raised(obstacles)
-        body = self._body
-        x, y, _ = frame.to_local(body).T
-        body = body[others.averaged(local).over(x, y) == UNSEEN]
+        x, y, _ = frame.to_local(self._body).T
+        body = self._body[others.averaged(local).over(x, y) == UNSEEN]
         points = np.concatenate([self.cloud.points, body])
         local = np.concatenate([local, frame.to_local(body)])
         highest = others.raised(local)
