@@ -195,12 +195,16 @@ def test_several_frames_are_thinned() -> None:
 def test_a_page_tells_what_the_document_tells() -> None:
     values = document_of()
     first = values["objects"][0]["grasps"][0]
-    first["success"] = {"probability": 0.93, "fails_by": {"slip": 0.04, "weight": 0.01}, "samples": 64}
+    first["success"] = {
+        "probability": 0.93,
+        "clear": 1.0,
+        "causes": {"too_heavy": 0.02, "slips": 0.048, "turns": 0.002},
+    }
     values["objects"][-1] |= {"grasps": [], "status": "no_grasp", "reason": "no room", "remedy": "another hand"}
     (scene,) = Parsed("".join(page([Frame(saved(values), None)], "x"))).scenes
     shown = scene["objects"][0]["grasps"][0]
     assert shown["holds"] == "93 %"
-    assert shown["causes"] == [["slip", "4 %"], ["weight", "1 %"]]
+    assert shown["causes"] == [["slips", "5 %"], ["too heavy", "2 %"]]
     distance = f"{1e3 * first['metrics']['gravity_distance_m']:.3g} mm"
     assert ["gravity distance", distance] in shown["rows"]
     assert shown["poses"]["lift"] == first["lift"]

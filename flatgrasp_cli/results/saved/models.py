@@ -13,9 +13,12 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import Cloud, Pose
 from flatgrasp_cli.profiles import Gripper, Robot
 from flatgrasp_cli.results.contracts.base import Number, Status, Vector2, Vector3, Vector4
+from flatgrasp_cli.results.success import LEAST
 
 UNIT = 1e-6
 """By how much the length of a quaternion may differ from 1: documents have nine decimals."""
+Chance = Annotated[float, Field(ge=0, le=1)]
+"""A probability."""
 
 
 def _unit(quaternion: Vector4) -> Vector4:
@@ -56,11 +59,10 @@ class SavedPose(_Saved):
 
 
 class SavedSuccess(_Saved):
-    """How probable it is that the grasp holds, and what else the document says of that."""
+    """How probable it is that the grasp holds, and what it fails by."""
 
-    model_config = ConfigDict(extra="allow")
-
-    probability: Annotated[float, Field(ge=0, le=1)] | None = None
+    probability: Chance
+    causes: dict[str, Chance] = Field(default_factory=dict)
 
 
 class SavedJoints(_Saved):
@@ -100,11 +102,9 @@ class SavedGrasp(_Saved):
 
     @property
     def causes(self) -> list[tuple[str, float]]:
-        """What would make it fail, and how probable each is, the likeliest first."""
-        more = {} if self.success is None else self.success.model_extra or {}
-        parts = [part.items() if isinstance(part, dict) else [(key, part)] for key, part in more.items()]
-        shares = [(key, share) for part in parts for key, share in part if isinstance(share, float) and 0 < share <= 1]
-        return sorted(shares, key=lambda cause: -cause[1])
+        """What would make it fail, and how probable each is, the likeliest first; none that would be 0 %."""
+        causes = {} if self.success is None else self.success.causes
+        return sorted(((key, share) for key, share in causes.items() if share >= LEAST), key=lambda cause: -cause[1])
 
     @property
     def score(self) -> float:
