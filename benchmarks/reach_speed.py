@@ -17,7 +17,7 @@ import numpy as np
 
 from flatgrasp_cli import load_robot
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.robot import Motion, Plane, forward, inverse, reach
+from flatgrasp_cli.robot import Motion, Plane, forward, inverse, reach, ur_rows
 
 TOOL_M = 0.17
 TILT = np.tan(np.radians(29.0))
@@ -53,13 +53,12 @@ def main() -> None:
     args = parser.parse_args()
     robot, rng, count = load_robot(args.robot), np.random.default_rng(0), args.count
     positions, axes = grasps(count, robot.reach_m, rng)
-    pose = forward(robot.dh, rng.uniform(-np.pi, np.pi, (count, 6)))[:, 5]
+    dh = ur_rows(robot, "this benchmark")
+    pose = forward(dh, rng.uniform(-np.pi, np.pi, (count, 6)))[:, 5]
     random_axes = np.ascontiguousarray(pose[:, :3, :3].transpose(0, 2, 1))
     poses = {"random poses": (pose[:, :3, 3], random_axes), "poses of grasps": (positions - TOOL_M * axes[:, 2], axes)}
     for name, (flange, turned) in poses.items():
-        print(
-            f"{name:16} {rate(partial(inverse, robot.dh, flange, turned), count, args.repeat):9,.0f} a second, inverse"
-        )
+        print(f"{name:16} {rate(partial(inverse, dh, flange, turned), count, args.repeat):9,.0f} a second, inverse")
     ask = partial(reach, robot, *poses["poses of grasps"], Motion(0.1, 0.1, UP, twin=True), Plane(UP, 0.0))
     reached = sum(answer.ok for answer in ask())
     speed = rate(ask, count, args.repeat)

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from flatgrasp_cli.profiles import load_camera_pose, load_gripper, load_robot, load_settings
     from flatgrasp_cli.results.document import to_document
     from flatgrasp_cli.sources import Selection, read_clouds
+    from flatgrasp_cli.version import __version__ as __version__
 
-__version__ = "0.1.0"
 __all__ = [
     "Cloud",
     "Grasp",
@@ -67,6 +67,7 @@ def __getattr__(name: str) -> Any:
     """Import a public name when it is first asked for: `flatgrasp --help` needs none of numpy, pydantic and Open3D."""
     import importlib
 
-    if name not in _HOMES:
+    home = "flatgrasp_cli.version" if name == "__version__" else _HOMES.get(name)
+    if home is None:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(importlib.import_module(_HOMES[name]), name)
+    return getattr(importlib.import_module(home), name)

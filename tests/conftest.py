@@ -33,6 +33,9 @@ os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 settings.register_profile("no-clock", deadline=None, derandomize=True)
 settings.load_profile("no-clock")
 
+if os.name != "posix":  # they send signals, limit resources, make pipes and look at processes
+    collect_ignore = ["batch/test_resuming.py", "cli/test_interrupt.py", "cli/test_outputs.py"]
+
 EACH = ("variety.apart_m=0",)
 """The override that lists all grasps in their order, also those at about one place."""
 SAMPLES = Path(__file__).resolve().parent.parent / "sample_data"

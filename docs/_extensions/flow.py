@@ -17,6 +17,7 @@ class Room(NamedTuple):
 ASKING = (
     Room("cli", ("options, files, tables", "the only one that prints")),
     Room("batch", ("many sources, all cores,", "resumable")),
+    Room("serving", ("requests, answers:", "a process that stays")),
     Room("simulation", ("camera, arm and hand:", "are grasps held?")),
     Room("job", ("what to do with", "every cloud")),
 )

@@ -116,9 +116,9 @@ def _flat(schema: dict[str, Any], properties: dict[str, Any], before: str) -> It
     """Every property with the name that leads to it, those of its own properties after it."""
     for key, value in properties.items():
         yield f"{before}{key}", value
-        kinds = (value, *value.get("anyOf", ()))  # a part that may be null has its own among others
-        names = [kind["$ref"].rpartition("/")[2] for kind in kinds if "$ref" in kind]
-        within = schema["$defs"][names[0]] if names else {}
+        options = [value, *value.get("anyOf", [])]
+        names = [option["$ref"].rpartition("/")[2] for option in options if "$ref" in option]
+        within = schema.get("$defs", {}).get(names[0], {}) if names else {}
         yield from _flat(schema, within.get("properties", {}), f"{before}{key}.")
 
 

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 
 from flatgrasp_cli.batch.inputs import Input
 from flatgrasp_cli.batch.store import Store
-from flatgrasp_cli.batch.work import collected_warnings
 from flatgrasp_cli.errors import FlatgraspError
-from flatgrasp_cli.job import Job
+from flatgrasp_cli.job import Job, collected_warnings
 from flatgrasp_cli.model import Cloud
 from flatgrasp_cli.results.saved import SavedDocument, parse_document
 

@@ -12,6 +12,7 @@ WORDS = {
     "finger_candidates": "no place for a finger on the outline",
     "grasping_direction": "no side from which a finger can press",
     "upright": "no steep side",
+    "palm_room": "the palm has no room over it",
     "open_sides": "its only side is that of a hole that was not seen through",
     "immobilising": "no two points hold it",
     "pairs": "no two places for fingers",

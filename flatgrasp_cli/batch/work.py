@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import count
@@ -14,7 +13,7 @@ import numpy as np
 
 from flatgrasp_cli.batch.slices import Slice
 from flatgrasp_cli.errors import FigureError, FlatgraspError, NoFramesError
-from flatgrasp_cli.job import Job
+from flatgrasp_cli.job import Job, collected_warnings
 from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.results.document import to_document, to_json
 from flatgrasp_cli.results.view import normal_of, view_of
@@ -119,22 +118,3 @@ def _pictures(plan: Plan) -> dict[str, bytes]:
         if content is not None:
             pictures[name] = content
     return pictures
-
-
-@contextmanager
-def collected_warnings() -> Iterator[list[str]]:
-    """Collects what the readers warn of instead of printing it: the coordinator says it once."""
-    logger, texts = logging.getLogger("flatgrasp_cli"), list[str]()
-
-    class Collector(logging.Handler):
-        def emit(self, record: logging.LogRecord) -> None:
-            texts.append(record.getMessage())
-
-    collector, propagate = Collector(logging.WARNING), logger.propagate
-    logger.addHandler(collector)
-    logger.propagate = False
-    try:
-        yield texts
-    finally:
-        logger.removeHandler(collector)
-        logger.propagate = propagate

@@ -16,7 +16,6 @@ from typing import Any
 
 import click
 
-from flatgrasp_cli import __version__
 from flatgrasp_cli.errors import FlatgraspError, UsageError
 from flatgrasp_cli.interrupts import INTERRUPTED
 from flatgrasp_cli.threads import one_thread_each
@@ -25,11 +24,13 @@ COMMANDS = {
     "batch": "Plan grasps on many recordings, on all cores or a cluster.",
     "cage": "Show all grasps that cage an outline or a cloud's objects.",
     "compare": "Compare our grasps with those of two point fingers (Allen et al. 2012).",
+    "doctor": "Check the installation: versions, extras, a self-test.",
     "export": "Write grasps in the formats of Isaac, GraspNet and MoveIt, or as a table.",
     "inspect": "Show what clouds and recordings hold.",
     "plan": "Plan grasps on point clouds.",
     "profiles": "List, show and check gripper, robot and planner profiles.",
     "schema": "Print the JSON Schema of each kind of document that flatgrasp writes.",
+    "serve": "Answer requests to plan, a line each, on standard input or a socket.",
     "simulate": "Try a gripper on objects in a simulation, as the paper does.",
     "view": "Look at grasps in three dimensions, in a browser.",
 }
@@ -73,8 +74,18 @@ class _LazyGroup(click.Group):
             formatter.write_dl(list(COMMANDS.items()))
 
 
+def _say_version(context: click.Context, _parameter: click.Parameter, asked: bool) -> None:
+    if asked and not context.resilient_parsing:
+        from flatgrasp_cli import __version__
+
+        click.echo(f"flatgrasp {__version__}")
+        context.exit()
+
+
 @click.group(cls=_LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(__version__, prog_name="flatgrasp")
+@click.option(
+    "--version", is_flag=True, is_eager=True, expose_value=False, callback=_say_version, help="Print the version."
+)
 def cli() -> None:
     """Find where a two-finger gripper should close on a flat unknown object, and why there.
 

@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 COLUMNS, LINES = 80, 24
+NARROWEST = 12
+"""Characters of a column that may be broken anywhere: a name's pieces are readable down to about that."""
 
 
 def show(*parts: RenderableType) -> None:
@@ -30,7 +32,10 @@ def show(*parts: RenderableType) -> None:
 
 
 def _keep_numbers_whole(table: Table) -> int:
-    """Give the columns of numbers the width of their longest; returns the width that the table needs at least."""
+    """Give the columns of numbers the width of their longest; returns the width that the table needs at least.
+
+    Columns that `fold` need no more than `NARROWEST`, however long a word in them is.
+    """
     from rich.cells import cell_len
     from rich.console import Console
     from rich.measure import Measurement
@@ -40,4 +45,11 @@ def _keep_numbers_whole(table: Table) -> int:
             lines = [line for cell in (column.header, *column.cells) for line in str(cell).splitlines()]
             column.min_width = max(map(cell_len, lines), default=0)
     wide = Console(width=10_000)
-    return Measurement.get(wide, wide.options, table).minimum
+    folding = [column for column in table.columns if column.overflow == "fold" and not column.no_wrap]
+    longest = [column.max_width for column in folding]
+    for column in folding:
+        column.max_width = min(column.max_width or NARROWEST, NARROWEST)
+    needed = Measurement.get(wide, wide.options, table).minimum
+    for column, before in zip(folding, longest, strict=True):
+        column.max_width = before
+    return needed

@@ -23,7 +23,7 @@ from click.core import ParameterSource
 from flatgrasp_cli.errors import ProfileError
 
 PREFIX = "FLATGRASP"
-RECORDED = ("batch", "cage", "compare", "plan", "view")
+RECORDED = ("batch", "cage", "compare", "plan", "serve", "view")
 """The commands that plan what was recorded, which have most of their options in common."""
 COMMANDS = (*RECORDED, "simulate")
 SETTINGS = "set"
@@ -79,7 +79,7 @@ def _use(context: click.Context, _parameter: click.Parameter, given: str | None)
     _check_keys(path, values)
     settings = _checked_settings(path, values.pop(SETTINGS, None))
     own = values.get(str(context.command.name)) or {}
-    options = {_key(each): each for each in context.command.params}
+    options = {option_key(each): each for each in context.command.params}
     context.default_map = {
         str(options[key].name): _checked(context, path, key, options[key], value)
         for key, value in (values | own).items()
@@ -123,7 +123,7 @@ def _users_file() -> Path | None:
     return path if path.is_file() else None
 
 
-def _key(parameter: click.Parameter) -> str:
+def option_key(parameter: click.Parameter) -> str:
     """The long name of an option, as a key."""
     return max(parameter.opts, key=len).lstrip("-").replace("-", "_")
 
@@ -146,7 +146,7 @@ def _check_keys(path: Path, values: Mapping[Any, Any]) -> None:
 
 def _options(command: click.Command) -> set[str]:
     """The keys of a command's options that may have a default."""
-    return {_key(each) for each in command.params if isinstance(each, click.Option)} - NO_DEFAULT
+    return {option_key(each) for each in command.params if isinstance(each, click.Option)} - NO_DEFAULT
 
 
 def _check(path: Path, place: str, values: Mapping[Any, Any], known: set[str]) -> None:
@@ -174,14 +174,14 @@ def _checked(context: click.Context, path: Path, key: str, parameter: click.Para
 
 
 def _checked_settings(path: Path, values: Any) -> tuple[str, ...]:
-    """Planner settings, nested as in a profile, as KEY=VALUE."""
+    """The planner settings of a file of defaults as KEY=VALUE."""
     from flatgrasp_cli.profiles import load_settings
 
     if values is None:
         return ()
     if not isinstance(values, dict):
         raise ProfileError(f"{path}: {SETTINGS}: wants keys as in a planner profile, e.g. fingers: {{step_m: 0.004}}")
-    settings = tuple(_flat(values))
+    settings = tuple(as_settings(values))
     try:
         load_settings(overrides=settings)
     except ProfileError as error:
@@ -189,10 +189,11 @@ def _checked_settings(path: Path, values: Any) -> tuple[str, ...]:
     return settings
 
 
-def _flat(values: Mapping[Any, Any], section: str = "") -> Iterator[str]:
+def as_settings(values: Mapping[Any, Any], section: str = "") -> Iterator[str]:
+    """Planner settings, nested as in a profile, as KEY=VALUE."""
     for key, value in values.items():
         if isinstance(value, dict):
-            yield from _flat(value, f"{section}{key}.")
+            yield from as_settings(value, f"{section}{key}.")
         else:
             yield f"{section}{key}={json.dumps(value, default=str)}"
 
@@ -227,7 +228,7 @@ def tell(context: click.Context, settings: list[Override]) -> None:
         if value in (None, (), False) or source is None or not isinstance(each, click.Option):
             continue
         where = "default" if source is ParameterSource.DEFAULT else of_rank[RANKS.get(source, COMMAND_LINE)]
-        if _key(each) not in (SETTINGS, "verbose"):
-            click.echo(f"flatgrasp: {_key(each)}: {value} ({where})", err=True)
+        if option_key(each) not in (SETTINGS, "verbose"):
+            click.echo(f"flatgrasp: {option_key(each)}: {value} ({where})", err=True)
     for setting in settings:
         click.echo(f"flatgrasp: set {setting.text} ({of_rank[setting.rank]})", err=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 
+import click
 import numpy as np
 
 from flatgrasp_cli.errors import UsageError
@@ -12,6 +13,12 @@ from flatgrasp_cli.model import Sensor
 from flatgrasp_cli.model.clouds import LARGEST_COORDINATE_M
 from flatgrasp_cli.placing import Workcell, workcell
 from flatgrasp_cli.profiles import load_camera_pose, load_robot
+from flatgrasp_cli.robot import arm_of
+
+ASSUMED = (
+    "a URDF does not say how thick links are (60 mm are assumed) nor what stance is usual (the middle of all limits); "
+    "a robot profile with urdf: {file: …} does"
+)
 
 
 def parse_sensor(text: str) -> Sensor | str:
@@ -52,4 +59,8 @@ def parse_workcell(robot: str | None, camera_pose: str | None, base_frame: str |
         If the robot has no such base frame.
     """
     arm = None if robot is None else load_robot(robot)
+    if arm is not None and arm.chain is not None:
+        arm_of(arm)  # says at once what is missing, and not after the first cloud
+    if arm is not None and robot is not None and robot.endswith(".urdf"):
+        click.echo(f"flatgrasp: warning: {robot}: {ASSUMED}", err=True)
     return workcell(arm, None if camera_pose is None else load_camera_pose(camera_pose), base_frame)

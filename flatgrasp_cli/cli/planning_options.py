@@ -3,22 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import wraps
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from flatgrasp_cli.cli.completion import complete_profile
-from flatgrasp_cli.cli.defaults import config_option, option, overrides, tell
-from flatgrasp_cli.cli.image_options import IMAGE_OPTIONS, of_images, positive
-from flatgrasp_cli.cli.imports import importing
-from flatgrasp_cli.errors import UsageError
-
-if TYPE_CHECKING:
-    from flatgrasp_cli.job import Job
-    from flatgrasp_cli.sources.selection import Selection
-
+from flatgrasp_cli.cli.defaults import config_option, option
+from flatgrasp_cli.cli.image_options import IMAGE_OPTIONS, positive
+from flatgrasp_cli.cli.jobs import job_of
 
 METHOD_OPTIONS = (
     option(
@@ -98,7 +91,7 @@ OPTIONS = (
         "--robot",
         metavar="NAME|FILE",
         shell_complete=complete_profile("robot"),
-        help="Robot profile: keep only grasps that it reaches, with joint angles.",
+        help="Robot profile, or a URDF: keep only grasps that it reaches, with joint angles.",
     ),
     option(
         "--camera-pose",
@@ -143,93 +136,8 @@ def planning_options(command: Callable[..., Any]) -> Callable[..., Any]:
     @wraps(command)
     def with_job(**options: Any) -> Any:
         chosen = {name: options.pop(name) for name in NAMES}
-        return command(job=job_of(**chosen), **options)
+        return command(job=job_of(chosen), **options)
 
     for each in reversed(OPTIONS):
         with_job = each(with_job)
     return with_job
-
-
-def job_of(
-    gripper: str,
-    method: str,
-    given: tuple[str, ...],
-    scene: str | None = None,
-    select: str | None = None,
-    up: str | None = None,
-    sensor: str | None = None,
-    crop: str | None = None,
-    prefer: str | None = None,
-    require: str | None = None,
-    closing: str | None = None,
-    robot: str | None = None,
-    camera_pose: str | None = None,
-    base_frame: str | None = None,
-    scale: float = 1.0,
-    top: int = 10,
-    verbose: bool = False,
-    **frames: Any,
-) -> Job:
-    """The job that options say, with the defaults of those that a command does not have."""
-    with importing():
-        from flatgrasp_cli.job import Job
-    from flatgrasp_cli.cli.place_options import parse_sensor, parse_workcell
-    from flatgrasp_cli.profiles import load_gripper, load_settings
-    from flatgrasp_cli.sources import EVERYTHING
-
-    asked = {
-        "scene": f"scene.mode={scene}" if scene else None,
-        "select": select if select is None else f"scene.select={_list(select)}",
-        "up": up if up is None else f"scene.up={_list(up)}",
-        "crop": crop if crop is None else f"scene.crop={_list(crop)}",
-        "prefer": f"ranking.prefer={prefer}" if prefer else None,
-        "closing": f"caging.closing={closing}" if closing else None,
-        "require": "caging.require=true" if require else None,
-    }
-    context = click.get_current_context()
-    settings = overrides(context, {name: text for name, text in asked.items() if text is not None}, given)
-    if verbose:
-        tell(context, settings)
-    stated = None if sensor is None else parse_sensor(sensor)
-    return Job(
-        gripper=load_gripper(gripper),
-        settings=load_settings(method, tuple(each.text for each in settings)),
-        workcell=parse_workcell(robot, camera_pose, base_frame),
-        selection=replace(
-            _selection(**frames) if frames else EVERYTHING, sensor_frame=stated if isinstance(stated, str) else None
-        ),
-        sensor=None if isinstance(stated, str) else stated,
-        scale=scale,
-        top=top,
-    )
-
-
-def _list(text: str) -> str:
-    """Turn "a,b,c" into the YAML list that a setting of several numbers wants; a word as it is."""
-    return f"[{text}]" if "," in text else text or "''"  # an empty word is no null
-
-
-def _selection(
-    topic: str | None,
-    start: str | None,
-    end: str | None,
-    at: str | None,
-    every: str | None,
-    count: int | None,
-    strict: bool,
-    **images: Any,
-) -> Selection:
-    from flatgrasp_cli.sources.selection import Every, Selection, parse_every, parse_moment
-
-    if at is not None and (start, end, every, count) != (None, None, None, None):
-        raise UsageError("--at names one frame; leave out --start, --end, --every and --count")
-    return Selection(
-        topic=topic,
-        start=None if start is None else parse_moment(start),
-        end=None if end is None else parse_moment(end),
-        at=None if at is None else parse_moment(at),
-        every=Every() if every is None else parse_every(every),
-        count=count,
-        strict=strict,
-        **of_images(**images),
-    )

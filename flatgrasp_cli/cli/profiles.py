@@ -60,3 +60,25 @@ def check_command(files: tuple[Path, ...]) -> int:
         click.echo("\n".join(problems) or f"{path}: ok", err=bool(problems))
         code = ProfileError.exit_code if problems else code
     return code
+
+
+@command.command("from-urdf")
+@click.argument("file", metavar="FILE", type=click.Path(path_type=Path))
+def from_urdf_command(file: Path) -> None:
+    """Print a gripper profile made of a URDF: a start for your own.
+
+    Opening, finger width and thickness, length, and how far the tips come out as they close are measured on the URDF's
+    shapes. What a URDF cannot say is commented; a value that is missing is null, and `profiles check` asks for it.
+    """
+    from flatgrasp_cli.profiles.urdf import read_urdf
+    from flatgrasp_cli.results.gripper_yaml import gripper_yaml
+    from flatgrasp_cli.sources.gripper_urdf import measured
+
+    hand = measured(read_urdf(file))
+    click.echo(gripper_yaml(hand, file.name), nl=False)
+    if hand.palm is None:
+        click.echo(
+            f"flatgrasp: warning: {file}: nothing of it stands still, so how large the palm is, how far it is from the "
+            "flange, and how long fingers are is not known: put them in for null",
+            err=True,
+        )

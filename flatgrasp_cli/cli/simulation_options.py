@@ -12,13 +12,8 @@ import click
 from flatgrasp_cli.cli.completion import complete_profile
 from flatgrasp_cli.cli.defaults import option
 from flatgrasp_cli.cli.imports import importing
-from flatgrasp_cli.cli.planning_options import (
-    CAGE_OPTIONS,
-    DEFAULTS_OPTIONS,
-    METHOD_OPTIONS,
-    SCALE_OPTION,
-    job_of,
-)
+from flatgrasp_cli.cli.jobs import job_of
+from flatgrasp_cli.cli.planning_options import CAGE_OPTIONS, DEFAULTS_OPTIONS, METHOD_OPTIONS, SCALE_OPTION
 from flatgrasp_cli.errors import SourceError
 
 if TYPE_CHECKING:
@@ -115,7 +110,7 @@ def _cell(robot: str | None, job: dict[str, Any], chosen: dict[str, Any]) -> Cel
 
         load_mujoco()
         from flatgrasp_cli.simulation.trial import Cell
-    planned = job_of(**job, robot=robot)
+    planned = job_of({**job, "robot": robot})
     return Cell(planned, _conditions(planned.gripper, **chosen))
 
 

@@ -67,13 +67,21 @@ def alpha_region(points: FloatArray, alpha_m: float) -> Any:
     holes = [hole for hole in holes if len(hole) >= 3]
     shape = shapely.Polygon(shell, holes)
     if not shape.is_valid:  # the disc rolled along both sides of a row of points
-        solid = shapely.make_valid(shapely.Polygon(shell))
-        rest = shapely.difference(
-            solid, shapely.union_all([shapely.make_valid(shapely.Polygon(hole)) for hole in holes])
-        )
-        pieces = [part for part in shapely.get_parts(shapely.get_parts(rest)) if part.geom_type == "Polygon"]
+        solid, rest = _repaired(shell), shapely.union_all([_repaired(hole) for hole in holes])
+        left = shapely.difference(solid, rest)
+        pieces = [part for part in shapely.get_parts(shapely.get_parts(left)) if part.geom_type == "Polygon"]
         shape = max(pieces, key=lambda part: float(shapely.Polygon(part.exterior).area), default=None)
     return shape if shape is not None and shape.area > 0 else None
+
+
+def _repaired(ring: FloatArray) -> Any:
+    """The valid polygons within a `ring` (k, 2), without the lines and points in which it touches itself.
+
+    By its structure: what shapely makes of its lines can have a negative area, on which overlays fail.
+    """
+    import shapely
+
+    return shapely.make_valid(shapely.Polygon(ring), method="structure", keep_collapsed=False)
 
 
 def _rolled_around(points: FloatArray, alpha_m: float) -> tuple[list[FloatArray], list[int]]:

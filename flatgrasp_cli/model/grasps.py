@@ -14,7 +14,7 @@ from flatgrasp_cli.model.poses import Pose, Poses, Way
 class Reach:
     """Whether the arm reaches a grasp, and how.
 
-    If `ok`, `joints_rad` (3, 6) are the angles at the pre-grasp pose, at the grasp and at the end of the lift,
+    If `ok`, `joints_rad` (3, j) are the angles at the pre-grasp pose, at the grasp and at the end of the lift,
     `manipulability` is the least on the way, in m³, `manipulability_share` that over the arm's largest, and `twin` says
     whether the hand is turned by 180°. If not, `waypoint` (pre_grasp, approach, grasp or lift) is where the branch that
     came furthest had to stop, and `limit`, one of `robot.reach.LIMITS`, what stopped it.

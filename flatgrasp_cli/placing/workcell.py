@@ -41,8 +41,9 @@ def workcell(robot: Robot | None, camera: CameraPose | None, base_frame: str | N
     if robot is None:
         return Workcell(None, camera, base_frame or (BASE_FRAMES[0] if camera else None))
     frame = base_frame or robot.base_frame
-    if frame not in BASE_FRAMES:
-        raise UsageError(f"--base-frame {frame}: a UR arm has the base frames {' and '.join(BASE_FRAMES)}")
+    frames = (robot.base_frame,) if robot.dh is None else BASE_FRAMES
+    if frame not in frames:
+        raise UsageError(f"--base-frame {frame}: robot {robot.name} has the base frame {' or '.join(frames)}")
     if camera is None and robot.camera_pose is not None:
         camera = robot.camera_pose if frame == robot.base_frame else robot.camera_pose.half_turned()
     return Workcell(robot.model_copy(update={"base_frame": frame}), camera, frame)

@@ -7,12 +7,12 @@ from functools import reduce
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.model import ObjectCloud, Rejection, Stage, Trace
+from flatgrasp_cli.model import ObjectCloud, OrientedBox, Rejection, Stage, Trace
 from flatgrasp_cli.planner.main_plane import oriented_box
 from flatgrasp_cli.planning.answers import Answer, Search
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
-from flatgrasp_cli.surroundings import Place, aslant, box_on, from_the_side, hanging_m, places, ways
+from flatgrasp_cli.surroundings import Place, Tilted, box_on, from_the_side, hanging_m, places, ways
 
 
 def answer_for(cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings) -> Answer:
@@ -36,13 +36,13 @@ def answer_for(cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings) 
         reason = f"it hangs {1e3 * hanging:.0f} mm up in the air: only free space was seen below it"
         return _nothing("support", reason)
     search = Search(gripper, settings)
-    best = _aslant(search, cloud, search.whole(whole, slices))
+    best = _aslant(search, cloud, box, search.whole(whole, slices))
     if cloud.support is not None and best.grasps is None and (side := _standing(cloud, box.size, settings)):
         best = search.better(best, search.whole(side, ()))
     return best
 
 
-def _aslant(search: Search, cloud: ObjectCloud, best: Answer) -> Answer:
+def _aslant(search: Search, cloud: ObjectCloud, box: OrientedBox, best: Answer) -> Answer:
     """The answer for a hand that comes aslant, if that is better than the `best` one for a hand straight down.
 
     The tilts are tried one after the other, until one of them leaves grasps. If none does, it is the latter that says
@@ -50,11 +50,12 @@ def _aslant(search: Search, cloud: ObjectCloud, best: Answer) -> Answer:
     """
     blocked = best.rejection is not None and best.rejection.cause == "palm"
     tried = cloud.in_container or blocked or search.settings.approach.tried == "always"
-    if not tried or (best.grasps is not None and not _is_close(best, search.settings)):
+    if cloud.floor is None or not tried or (best.grasps is not None and not _is_close(best, search.settings)):
         return best
-    for directions in ways(cloud, search.settings):
-        placed = [found for toward in directions if (found := aslant(cloud, toward, search.settings))]
-        answers = [search.whole(found[0], found[1:]) for found in placed]
+    tilted = Tilted(cloud, cloud.floor, search.settings)
+    for directions in ways(cloud, box.frame.axes[0], search.settings):
+        placed = [place for toward in directions if (place := tilted.place(toward, search.gripper))]
+        answers = [search.whole(place, ()) for place in placed]
         best = reduce(search.better, (answer for answer in answers if answer.grasps is not None), best)
         if best.grasps is not None:
             break

@@ -15,6 +15,7 @@ from flatgrasp_cli.errors import ProfileError
 from flatgrasp_cli.profiles.base import Profile
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.robot import CameraPose, Robot
+from flatgrasp_cli.profiles.robot_urdf import resolved
 from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.profiles.yaml_text import NotYamlError, parsed
 
@@ -62,7 +63,10 @@ def load_gripper(name_or_path: str) -> Gripper:
 
 
 def load_robot(name_or_path: str) -> Robot:
-    """Load a robot profile by name ("ur5") or by path; raises `ProfileError` as `load_gripper` does."""
+    """Load a robot profile by name ("ur5"), by path, or from a URDF; raises `ProfileError` as `load_gripper` does."""
+    if name_or_path.endswith(".urdf"):
+        path = Path(name_or_path)
+        return _validate(Robot, resolved({"profile": "robot", "urdf": {"file": path.name}}, path), path)
     return _load(Robot, "robot", name_or_path)
 
 
@@ -97,7 +101,7 @@ def load_settings(name_or_path: str = "default", overrides: tuple[str, ...] = ()
 
 def load_profile(path: Path) -> Profile:
     """Load a profile of any kind; its own `profile:` key says which."""
-    data = _extended(read_yaml(path), path)
+    data = _whole(path)
     return _validate(MODELS[_kind_of(data, path)], data, path)
 
 
@@ -112,7 +116,12 @@ def _kind_of(data: dict[str, Any], path: Path) -> str:
 
 def _load(model: type[P], kind: str, name_or_path: str) -> P:
     path = profile_path(kind, name_or_path)
-    return _validate(model, read_yaml(path), path)
+    return _validate(model, _whole(path), path)
+
+
+def _whole(path: Path) -> dict[str, Any]:
+    """A profile with what it leaves to another file."""
+    return resolved(_extended(read_yaml(path), path), path)
 
 
 def read_yaml(path: Path, kind: str = "profile") -> dict[str, Any]:
@@ -196,7 +205,7 @@ def _validate(model: type[P], data: dict[str, Any], path: Path, overrides: str =
 
 def problems_in(path: Path) -> list[str]:
     """Every fault of a profile, a line each; empty when it is sound. Raises `ProfileError` when it is no profile."""
-    data = _extended(read_yaml(path), path)
+    data = _whole(path)
     model = MODELS[_kind_of(data, path)]
     try:
         model.model_validate(data)

@@ -8,12 +8,16 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from flatgrasp_cli.profiles.base import FarPlace, Place, Profile, Size, Turn
+from flatgrasp_cli.profiles.chain import Chain, Lock
 from flatgrasp_cli.profiles.uncertainty import HandUncertainty
 
 SixPlaces = tuple[Place, Place, Place, Place, Place, Place]
 SixTurns = tuple[Turn, Turn, Turn, Turn, Turn, Turn]
 Most = Annotated[float, Field(ge=0, le=1e6)]
-SixMosts = tuple[Most, Most, Most, Most, Most, Most]
+Turns = Annotated[tuple[Turn, ...], Field(min_length=6, max_length=7)]
+Mosts = Annotated[tuple[Most, ...], Field(min_length=6, max_length=7)]
+SIX, SEVEN = 6, 7
+UR_BASES = ("base", "base_link")
 SHORTEST_LINK_M = 0.01
 UR_ALPHA_DEG: SixTurns = (90.0, 0.0, 0.0, 90.0, -90.0, 0.0)
 """The twists that make the lift, elbow and wrist 1 axes parallel, on which the closed-form kinematics rests."""
@@ -45,18 +49,18 @@ class DenavitHartenberg(Profile):
 class JointLimits(Profile):
     """Limits of each joint."""
 
-    lower_deg: SixTurns
+    lower_deg: Turns
     """Least angles, degrees."""
-    upper_deg: SixTurns
+    upper_deg: Turns
     """Largest angles, degrees."""
-    max_speed_deg_s: SixMosts
+    max_speed_deg_s: Mosts
     """Largest speeds, degrees a second."""
-    max_effort_nm: SixMosts
+    max_effort_nm: Mosts
     """Largest torques, newton metres."""
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
-        if any(low >= high for low, high in zip(self.lower_deg, self.upper_deg, strict=True)):
+        if any(low >= high for low, high in zip(self.lower_deg, self.upper_deg, strict=False)):
             raise ValueError("every lower_deg must be below its upper_deg")
         return self
 
@@ -79,7 +83,7 @@ class LinkRadii(Profile):
 class ReachSettings(Profile):
     """How a grasp is approached and lifted, and what the arm must keep on the way."""
 
-    reference_deg: SixTurns
+    reference_deg: Turns
     """Joint angles of the arm's usual stance, degrees: of several ways to reach a grasp the nearest to it is taken."""
     steps: Annotated[int, Field(ge=1, le=1000)]
     """The number of waypoints from the pre-grasp pose to the grasp, and again from there to the end of the lift."""
@@ -110,16 +114,21 @@ class CameraPose(Profile):
 
 
 class Robot(Profile):
-    """A six-joint arm of the UR family, by its Denavit–Hartenberg rows."""
+    """An arm: one of the UR family by its Denavit–Hartenberg rows, or any other by its chain of joints."""
 
     profile: Literal["robot"] = "robot"
     """What kind of profile this is."""
     name: Annotated[str, Field(min_length=1)]
     """The robot's name."""
-    base_frame: Literal["base", "base_link"]
-    """`base` is the controller's (and the DH) base; ROS's `base_link` is turned by 180° about z against it."""
-    dh: DenavitHartenberg
-    """The arm's links and joints."""
+    base_frame: Annotated[str, Field(min_length=1)]
+    """The frame of its base. Of a UR arm, `base` is the controller's (and the DH) base; ROS's `base_link` is turned by
+    180° about z against it."""
+    dh: DenavitHartenberg | None = None
+    """The links and joints of a UR arm; None: `chain` has them."""
+    chain: Chain | None = None
+    """The joints of any other arm; None: `dh` has them."""
+    lock: Lock | None = None
+    """Which of seven joints is tried at several values; None with six."""
     joints: JointLimits
     """What its joints can do."""
     links: LinkRadii
@@ -128,16 +137,38 @@ class Robot(Profile):
     """What counts as reached."""
     reach_m: Size
     """How far the arm reaches by its data sheet, metres; for people, reach is computed."""
-    payload_kg: Annotated[float, Field(ge=1e-3, le=1e4)]
-    """What it lifts by its data sheet, kilograms."""
+    payload_kg: Annotated[float, Field(ge=1e-3, le=1e4)] | None = None
+    """What it lifts by its data sheet, kilograms; None: not known."""
     camera_pose: CameraPose | None = None
     """Where the camera stands in `base_frame`, unless a pose is given with the clouds; None: not known."""
     uncertainty: HandUncertainty | None = None
     """How well its hand's place is known, where that is better or worse than usual."""
 
     @model_validator(mode="after")
+    def _has_one_kind_of_joints(self) -> Self:
+        if (self.dh is None) == (self.chain is None):
+            raise ValueError("dh, the rows of a UR arm, or chain, the joints of any other: one of them is wanted")
+        if self.dh is not None and self.base_frame not in UR_BASES:
+            raise ValueError(f"base_frame {self.base_frame!r}: of a UR arm it is one of {', '.join(UR_BASES)}")
+        if (self.lock is None) != (self.count == SIX):
+            raise ValueError("lock: an arm of seven joints needs it, one of six must not have it")
+        return self
+
+    @model_validator(mode="after")
+    def _counts_its_joints(self) -> Self:
+        lists = (*self.joints.model_dump().values(), self.reach.reference_deg)
+        if any(len(values) != self.count for values in lists):
+            raise ValueError(f"joints and reach.reference_deg want a number for each of the {self.count} joints")
+        return self
+
+    @property
+    def count(self) -> int:
+        """The number of joints."""
+        return SIX if self.chain is None else len(self.chain.joints)
+
+    @model_validator(mode="after")
     def _stands_within_limits(self) -> Self:
-        limits = zip(self.joints.lower_deg, self.reach.reference_deg, self.joints.upper_deg, strict=True)
+        limits = zip(self.joints.lower_deg, self.reach.reference_deg, self.joints.upper_deg, strict=False)
         if any(not low <= reference <= high for low, reference, high in limits):
             raise ValueError("every reference_deg must lie within its joint's limits")
         return self

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from flatgrasp_cli.geometry.frames import axes_from_quaternion
 from flatgrasp_cli.model import Grasp
 from flatgrasp_cli.planning import Plan
+from flatgrasp_cli.profiles.robot import SIX
 from flatgrasp_cli.results.remedies import remedy_of
 
 if TYPE_CHECKING:
@@ -17,6 +18,8 @@ ROWS = 5
 SHORT = ("object", "rank", "holds\n%", "width\nmm", "open\nmm", "position x y z\nm")
 WIDE = (*SHORT, "needs\nμ", "force balance\n°", "gravity\nmm", "approach x y z\n")
 JOINTS = "joints\n°"
+NEEDS = SHORT.index("needs\nμ")
+"""The column that makes room for a seventh joint."""
 
 
 def headline(plan: Plan) -> str:
@@ -35,12 +38,15 @@ def grasp_table(plan: Plan, *, wide: bool = False) -> Table:
     from rich.table import Table
 
     table = Table(box=SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 0 if plan.robot else 1, 0, 0))
-    for heading in (*(WIDE if wide else SHORT), *((JOINTS,) if plan.robot else ())):
-        table.add_column(heading, justify="right", no_wrap=True)
+    left_out = {NEEDS} if plan.robot and plan.robot.count > SIX and not wide else set()
+    for k, heading in enumerate((*(WIDE if wide else SHORT), *((JOINTS,) if plan.robot else ()))):
+        if k not in left_out:
+            table.add_column(heading, justify="right", no_wrap=True)
     for item in plan.objects:
         for grasp in item.grasps[:ROWS]:
             cells = [str(item.object.id), *_short(grasp), *(_more(grasp) if wide else ())]
-            table.add_row(*cells, *((_joints(grasp, 1 if wide else 0),) if plan.robot else ()))
+            cells += [_joints(grasp, 1 if wide else 0)] if plan.robot else []
+            table.add_row(*(cell for k, cell in enumerate(cells) if k not in left_out))
         if item.grasps:
             table.add_section()
     return table

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
@@ -11,7 +9,7 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 HALF_TURN = np.array([-1.0, -1.0, 1.0])
 
 
-def in_dh_base(base_frame: Literal["base", "base_link"], vectors: FloatArray) -> FloatArray:
+def in_dh_base(base_frame: str, vectors: FloatArray) -> FloatArray:
     """Points, directions or the rows of axes (..., 3), given in `base_frame`, in the Denavit–Hartenberg base.
 
     The controller's `base` is that base; ROS's `base_link` is turned by 180° about z against it. A half turn undoes

@@ -1,9 +1,9 @@
 """Whether an arm can carry out a grasp: pre-grasp, approach, grasp and lift on one branch of its inverse kinematics.
 
-Arrays over paths are (8, w, n): branch, waypoint, grasp; those over joint angles (6, 8, w, n). Along a branch a joint
+Arrays over paths are (b, w, n): branch, waypoint, grasp; those over joint angles (j, b, w, n). Along a branch a joint
 turns continuously, so its angles are known up to whole turns, as many for all waypoints. A hand turned by 180° about
-its z axis has the last joint turned by as much and the others as they were: where that twin will do as well, the last
-joint's angles are known up to half turns.
+its z axis has the last joint turned by as much and the others as they were, if that turns about the flange's z axis:
+where the twin will do as well, the last joint's angles are known up to half turns.
 """
 
 from __future__ import annotations
@@ -16,8 +16,7 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.model import Reach
 from flatgrasp_cli.profiles.robot import Robot
-from flatgrasp_cli.robot.frames import in_dh_base
-from flatgrasp_cli.robot.kinematics import heights, inverse, manipulability, max_manipulability
+from flatgrasp_cli.robot.arms import arm_of
 from flatgrasp_cli.robot.motion import Motion
 
 LIMITS = ("out of reach", "joint limit", "joint step", "manipulability", "below the table")
@@ -51,33 +50,31 @@ def reach(
     table.
     """
     follower = _Follower(robot, motion, table)
-    flange, axes = (in_dh_base(robot.base_frame, vectors) for vectors in (positions, axes))
+    flange, axes = (follower.arm.in_own_base(vectors) for vectors in (positions, axes))
     batches = [slice(start, start + BATCH) for start in range(0, len(positions), BATCH)]
     return tuple(answer for batch in batches for answer in follower.follow(flange[batch], axes[batch]))
 
 
 class _Follower:
-    """A robot, a motion and a table in the Denavit–Hartenberg base, ready to follow batches of grasps."""
+    """A robot, a motion and a table in the base of its kinematics, ready to follow batches of grasps."""
 
     def __init__(self, robot: Robot, motion: Motion, table: Plane | None) -> None:
-        self.dh, self.settings, self.approach_m, self.twin = robot.dh, robot.reach, motion.approach_m, motion.twin
-        self.lift = in_dh_base(robot.base_frame, motion.lift_m * motion.lift_direction)
+        self.arm, self.settings, self.approach_m = arm_of(robot), robot.reach, motion.approach_m
+        self.twin = motion.twin and self.arm.turns_the_flange
+        self.lift = self.arm.in_own_base(motion.lift_m * motion.lift_direction)
         self.lower, self.upper, self.reference = (
             np.radians(angles)[:, None, None, None]
             for angles in (robot.joints.lower_deg, robot.joints.upper_deg, robot.reach.reference_deg)
         )
-        self.period = 2 * np.pi / np.array([1, 1, 1, 1, 1, 2 if motion.twin else 1])[:, None, None, None]
-        self.normal = None if table is None else in_dh_base(robot.base_frame, table.normal)
-        links, offset = robot.links, 0.0 if table is None else table.offset_m
-        radii = links.elbow_m, max(links.forearm_m, links.wrist_m), links.wrist_m, links.wrist_m
-        self.lowest = offset + np.array(radii)[:, None, None, None]
-        self.most = max_manipulability(robot.dh)
+        self.period = 2 * np.pi / np.array([1] * (robot.count - 1) + [2 if self.twin else 1])[:, None, None, None]
+        self.normal = None if table is None else self.arm.in_own_base(table.normal)
+        self.lowest = (0.0 if table is None else table.offset_m) + self.arm.radii_m[:, None, None, None]
 
     def follow(self, flange: FloatArray, axes: FloatArray) -> Iterator[Reach]:
         """The answers for n grasps, the flange's positions (n, 3) and axes (n, 3, 3) given."""
         path, step = self._unwound(flange, axes)
         least, most = self._turns_within_limits(path)
-        ability = manipulability(self.dh, np.moveaxis(path, 0, -1))
+        ability = self.arm.manipulability(path)
         limit = self._limit(path, step, np.asarray((least <= most).all(axis=0)), ability)
         goes = (limit == MET).all(axis=1)
         turns, distance = self._nearest_turns(path[:, :, self.settings.steps], least[:, :, -1], most[:, :, -1])
@@ -87,14 +84,12 @@ class _Follower:
             yield self._answer(path[:, b, :, k], turns[:, b, k], ability[b, :, k]) if goes[b, k] else self._no(stops[k])
 
     def _unwound(self, flange: FloatArray, axes: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Continuous angles (6, 8, w, n) along the paths, and the largest turn (8, w, n) of any joint since before."""
-        steps, n = self.settings.steps, len(flange)
+        """Continuous angles (j, b, w, n) along the paths, and the largest turn (b, w, n) of any joint since before."""
+        steps = self.settings.steps
         share = np.linspace(0.0, 1.0, steps + 1)[:, None, None]
         back = flange - (1 - share) * self.approach_m * axes[:, 2]
         waypoints = np.concatenate([back, flange + share[1:] * self.lift])
-        w = len(waypoints)
-        joints = inverse(self.dh, waypoints.reshape(-1, 3), np.broadcast_to(axes, (w, n, 3, 3)).reshape(-1, 3, 3))
-        path = joints.transpose(2, 1, 0).reshape(6, 8, w, n)
+        path = self.arm.paths(waypoints, axes)
         turn = np.diff(path, axis=2)
         turn -= 2 * np.pi * np.round(turn / (2 * np.pi))
         path[:, :, 1:] = path[:, :, :1] + np.cumsum(turn, axis=2)
@@ -103,41 +98,41 @@ class _Follower:
         return path, step
 
     def _turns_within_limits(self, path: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """The least and the most periods (6, 8, w, n) that may be added so that all angles so far are within limits."""
+        """The least and the most periods (j, b, w, n) that may be added so that all angles so far are within limits."""
         least = (self.lower - np.minimum.accumulate(path, axis=2)) / self.period
         most = (self.upper - np.maximum.accumulate(path, axis=2)) / self.period
         return np.ceil(least - ROUNDING), np.floor(most + ROUNDING)
 
     def _limit(self, path: FloatArray, step: FloatArray, within: BoolArray, ability: FloatArray) -> IntArray:
-        """Index (8, w, n) of the first limit that a waypoint fails, `MET` if none."""
+        """Index (b, w, n) of the first limit that a waypoint fails, `MET` if none."""
         fails = [
             np.isnan(ability),
             ~within,
             step > np.radians(self.settings.max_step_deg),
-            ability < self.settings.min_manipulability_share * self.most,
+            ability < self.settings.min_manipulability_share * self.arm.most_manipulability,
         ]
         if self.normal is not None:
-            fails.append((heights(self.dh, path, self.normal) < self.lowest).any(axis=0))
+            fails.append((self.arm.heights(path, self.normal) < self.lowest).any(axis=0))
         limit = np.full(ability.shape, MET)
         for index in reversed(range(len(fails))):
             limit[fails[index]] = index
         return limit
 
     def _nearest_turns(self, grasp: FloatArray, least: FloatArray, most: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Periods (6, 8, n) to add, and what is left of the squared distance (8, n) of the grasp to the reference."""
+        """Periods (j, b, n) to add, and what is left of the squared distance (b, n) of the grasp to the reference."""
         period, reference = self.period[:, :, 0], self.reference[:, :, 0]
         turns = np.clip(np.round((reference - grasp) / period), least, most)
         return turns, np.square(grasp + turns * period - reference).sum(axis=0)
 
     def _answer(self, path: FloatArray, turns: FloatArray, ability: FloatArray) -> Reach:
-        """The answer of a branch that goes: its angles (6, w), periods to add (6,) and manipulability (w,)."""
+        """The answer of a branch that goes: its angles (j, w), periods to add (j,) and manipulability (w,)."""
         least = float(ability.min())
         return Reach(
             ok=True,
             joints_rad=(path[:, :: self.settings.steps] + turns[:, None] * self.period[:, :, 0, 0]).T,
             manipulability=least,
-            manipulability_share=least / self.most,
-            twin=self.twin and bool(turns[5] % 2),
+            manipulability_share=least / self.arm.most_manipulability,
+            twin=self.twin and bool(turns[-1] % 2),
         )
 
     def _no(self, stop: tuple[int, int]) -> Reach:
@@ -151,7 +146,7 @@ class _Follower:
 
 
 def _stops(limit: IntArray) -> list[tuple[int, int]]:
-    """Waypoint and limit at which the branch stops that comes furthest, for n grasps; limits (8, w, n) as failed.
+    """Waypoint and limit at which the branch stops that comes furthest, for n grasps; limits (b, w, n) as failed.
 
     Among branches that stop at the same waypoint the one furthest is that which fails the later test.
     """

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TypedDict
 
+import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import ByteArray, FloatArray, IntArray
@@ -84,8 +85,9 @@ class Heap:
             if self._lies_in(piece, container) and self._is_object(own):
                 objects.append((own, None))
                 continue
-            for low in self._pieces(own):  # without the floor, into which low things pass without a seam
-                if container is not None and container.holds(self.points[low]).all() and self._is_object(low):
+            for low in self._standing_out(own):  # without the floor, into which low things pass without a seam
+                inside = container is not None and container.holds(self.points[low]).mean() >= INSIDE_SHARE
+                if inside and not self._is_small(low) and self._is_object(low):
                     objects.append((low, None))
                 else:
                     walls.append(low)
@@ -145,7 +147,7 @@ class Heap:
 
     def _pieces(self, rows: IntArray) -> list[IntArray]:
         """The `rows` (n,) of points piece by piece."""
-        if len(rows) * self.clusters.floor.spacing_m**2 < 2 * self.settings.least_part_m**2:
+        if self._is_small(rows, 2):
             return [rows] if len(rows) else []
         least_m = self.settings.least_part_m
         compact = _length_m(self.points[rows]) <= LONGEST_WHOLE_M
@@ -166,6 +168,23 @@ class Heap:
         names = pieces(surface, limits)
         order = np.argsort(names, kind="stable")
         return np.split(rows[order], np.flatnonzero(np.diff(names[order])) + 1)
+
+    def _standing_out(self, rows: IntArray) -> list[IntArray]:
+        """The pieces of a floor's or a wall's own points above the plane, without the ripple scattered around them."""
+        raster = self.clusters.floor.levels.raster
+        found = []
+        for piece in self._pieces(rows):
+            x, y, _ = self.clusters.floor.frame.to_local(self.points[piece]).T
+            cell = raster.cells(x, y)
+            standing = (raster.count(cell) > 0).view(np.uint8)
+            name = cv2.connectedComponents(standing, connectivity=8)[1].ravel()[cell]
+            order = np.argsort(name, kind="stable")
+            found += np.split(piece[order], np.flatnonzero(np.diff(name[order])) + 1)
+        return found
+
+    def _is_small(self, rows: IntArray, parts: int = 1) -> bool:
+        """Whether points cover less than so many of the smallest parts of objects."""
+        return bool(len(rows) * self.clusters.floor.spacing_m**2 < parts * self.settings.least_part_m**2)
 
     def _is_object(self, rows: IntArray) -> bool:
         """Whether points are enough for an object, and not too far apart."""

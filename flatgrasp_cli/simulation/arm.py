@@ -15,7 +15,7 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import axes_from_quaternion, turned_about_z
 from flatgrasp_cli.model import Pose
 from flatgrasp_cli.profiles import Gripper, Robot
-from flatgrasp_cli.robot import in_dh_base, inverse
+from flatgrasp_cli.robot import in_dh_base, inverse, ur_rows
 from flatgrasp_cli.simulation.engine import load_mujoco
 from flatgrasp_cli.simulation.parts import Kind, Servo, add_capsule, add_servo
 
@@ -31,13 +31,13 @@ class Arm:
     """An arm whose base frame is the world's, with a hand mounted on its flange as the gripper's profile says."""
 
     def __init__(self, robot: Robot, gripper: Gripper) -> None:
-        self.robot, self._gripper = robot, gripper
+        self.robot, self._gripper, self._dh = robot, gripper, ur_rows(robot, "simulate")
         self.palm_offset_m = gripper.palm_offset_m
         self._at: FloatArray = np.radians(robot.reach.reference_deg)
 
     def add(self, spec: Any) -> Any:
         """Add links, joints and servos; returns the hand's body."""
-        mujoco, dh, joints = load_mujoco(), self.robot.dh, self.robot.joints
+        mujoco, dh, joints = load_mujoco(), self._dh, self.robot.joints
         half_turn = 0.0 if self.robot.base_frame == "base" else np.pi
         body, place, turn = spec.worldbody, np.zeros(3), Rotation.from_euler("z", half_turn)
         for k, radius in enumerate(self._radii()):
@@ -66,7 +66,7 @@ class Arm:
         axes = np.array([axes_from_quaternion(flange.orientation) for flange in flanges])
         positions = np.array([flange.position for flange in flanges])
         base, before = self.robot.base_frame, self._at if near is None else near
-        branches = inverse(self.robot.dh, in_dh_base(base, positions), in_dh_base(base, axes), float(before[5]))
+        branches = inverse(self._dh, in_dh_base(base, positions), in_dh_base(base, axes), float(before[5]))
         angles = np.full((len(palms), 6), np.nan)
         for k, options in enumerate(branches):
             turned = options - 2 * np.pi * np.round((options - before) / (2 * np.pi))

@@ -13,7 +13,7 @@ from flatgrasp_cli.errors import UsageError
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.profiles import Gripper, Robot
-from flatgrasp_cli.robot import forward, in_dh_base, inverse
+from flatgrasp_cli.robot import forward, in_dh_base, inverse, ur_rows
 
 DISTANCES_M = (0.8, 0.7, 0.6, 0.5, 0.4)
 """How far the camera is from what it looks at, as far as the arm gets: an Xtion measures from 0.4 m on, best at 0.8."""
@@ -37,7 +37,7 @@ def spot_of(robot: Robot | None) -> FloatArray:
     """Where things are put (3,) in the world: before the arm's reference stance; the origin without an arm."""
     if robot is None:
         return np.zeros(3)
-    flange = forward(robot.dh, np.radians(robot.reach.reference_deg))[5, :3, 3]
+    flange = forward(ur_rows(robot, "simulate"), np.radians(robot.reach.reference_deg))[5, :3, 3]
     ahead = in_dh_base(robot.base_frame, flange) * [1.0, 1.0, 0.0]
     return np.asarray(SPOT_SHARE * robot.reach_m * ahead / np.linalg.norm(ahead))
 
@@ -91,7 +91,7 @@ def _nearest_joints(robot: Robot, flanges: list[Frame]) -> tuple[int, FloatArray
     base, reference = robot.base_frame, np.radians(robot.reach.reference_deg)
     positions = in_dh_base(base, np.array([flange.origin for flange in flanges]))
     axes = in_dh_base(base, np.array([flange.axes for flange in flanges]))
-    joints = inverse(robot.dh, positions, axes)
+    joints = inverse(ur_rows(robot, "simulate"), positions, axes)
     joints = joints - 2 * np.pi * np.round((joints - reference) / (2 * np.pi))
     distance = np.where(_allowed(robot, joints), np.square(joints - reference).sum(axis=-1), np.inf)
     best = np.unravel_index(np.argmin(distance), distance.shape)
@@ -102,5 +102,5 @@ def _allowed(robot: Robot, joints: FloatArray) -> BoolArray:
     """Whether joints (…, 6) are there, within the limits, and keep all of the arm over the table."""
     lower, upper = np.radians(robot.joints.lower_deg), np.radians(robot.joints.upper_deg)
     within = ((joints >= lower) & (joints <= upper)).all(axis=-1)  # false for NaN, too
-    lowest = forward(robot.dh, np.nan_to_num(joints))[..., 1:, 2, 3].min(axis=-1)
+    lowest = forward(ur_rows(robot, "simulate"), np.nan_to_num(joints))[..., 1:, 2, 3].min(axis=-1)
     return np.asarray(within & (lowest > robot.links.elbow_m))

@@ -46,20 +46,39 @@ def read_clouds(
     UsageError
         If a depth image is given without its camera's intrinsics, or only a recording could say where a frame is.
     """
+    name = os.fspath(source)
+    with on_disk(name) as path:
+        yield from _clouds(path, "stdin" if name == STDIN else name, scale, selection)
+
+
+def read_content(content: bytes, name: str, scale: float = 1.0, selection: Selection = EVERYTHING) -> Iterator[Cloud]:
+    """Yield the clouds of a file's whole content, as `read_clouds` does those of the file; `name` is what it is called.
+
+    Raises
+    ------
+    SourceError
+        If it is no cloud, or contradicts its own header.
+    UsageError
+        As `read_clouds` does.
+    """
+    with _spooled(name) as spool:
+        spool.write(content)
+        spool.flush()
+        yield from _clouds(Path(spool.name), name, scale, selection)
+
+
+def _clouds(path: Path, name: str, scale: float, selection: Selection) -> Iterator[Cloud]:
     from flatgrasp_cli.recordings.containers import is_recording
     from flatgrasp_cli.sources.folders import folder_images, kind_of_folder
 
-    name = os.fspath(source)
-    with on_disk(name) as path:
-        label = "stdin" if name == STDIN else name
-        if path.is_dir() and kind_of_folder(path, label) == "images":
-            yield from _placed(folder_images(path, label, scale, selection), label, selection)
-        elif is_recording(path):
-            from flatgrasp_cli.sources.frames import recorded_clouds
+    if path.is_dir() and kind_of_folder(path, name) == "images":
+        yield from _placed(folder_images(path, name, scale, selection), name, selection)
+    elif is_recording(path):
+        from flatgrasp_cli.sources.frames import recorded_clouds
 
-            yield from recorded_clouds(path, label, scale, selection)
-        else:
-            yield from _placed(_only_cloud(path, label, scale, selection), label, selection)
+        yield from recorded_clouds(path, name, scale, selection)
+    else:
+        yield from _placed(_only_cloud(path, name, scale, selection), name, selection)
 
 
 def _placed(clouds: Iterator[Cloud], name: str, selection: Selection) -> Iterator[Cloud]:
@@ -90,19 +109,37 @@ def on_disk(name: str) -> Iterator[Path]:
     SourceError
         If there is none, it is a device, or a pipe does not end.
     """
-    path = Path(name)
-    try:
+    with _reporting(name):
+        path = Path(name)
         if name != STDIN and (path.is_file() or path.is_dir()):
             yield path
             return
-        with tempfile.NamedTemporaryFile(prefix="flatgrasp-") as spool:
-            if is_url(name):
-                copy_url(name, spool)
-            else:
-                with _pipe(name) as pipe:
-                    _copy(pipe, spool, name)
-            spool.flush()
-            yield Path(spool.name)
+    with _spooled(name) as spool:
+        if is_url(name):
+            copy_url(name, spool)
+        else:
+            with _pipe(name) as pipe:
+                _copy(pipe, spool, name)
+        spool.flush()
+        yield Path(spool.name)
+
+
+@contextmanager
+def _spooled(name: str) -> Iterator[IO[bytes]]:
+    """A temporary file, for what has no place on disk of its own."""
+    # in a folder: a file that goes away when it is closed cannot be opened a second time on Windows
+    with (
+        _reporting(name),
+        tempfile.TemporaryDirectory(prefix="flatgrasp-") as folder,
+        (Path(folder) / "source").open("wb") as spool,
+    ):
+        yield spool
+
+
+@contextmanager
+def _reporting(name: str) -> Iterator[None]:
+    try:
+        yield
     except OSError as error:
         raise SourceError(f"{name}: cannot be read: {error.strerror or error}") from error
 

@@ -8,7 +8,8 @@ from flatgrasp_cli.surroundings.alone import Alone
 from flatgrasp_cli.surroundings.aslant import Aslant, ways
 from flatgrasp_cli.surroundings.interface import Surroundings
 from flatgrasp_cli.surroundings.on_support import OnSupport
-from flatgrasp_cli.surroundings.places import Place, aslant, box_on, from_the_side, hanging_m, places
+from flatgrasp_cli.surroundings.places import Place, box_on, from_the_side, hanging_m, places
+from flatgrasp_cli.surroundings.tilted import Tilted
 
 __all__ = [
     "Alone",
@@ -16,7 +17,7 @@ __all__ = [
     "OnSupport",
     "Place",
     "Surroundings",
-    "aslant",
+    "Tilted",
     "box_on",
     "from_the_side",
     "hanging_m",

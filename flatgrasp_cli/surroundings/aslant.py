@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
 
+import cv2
 import numpy as np
 
 from flatgrasp_cli.funnel import Funnel
-from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
 from flatgrasp_cli.geometry.polygon import left_normal
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates, ObjectCloud, Silhouette
 from flatgrasp_cli.profiles.gripper import Gripper
@@ -22,14 +22,14 @@ from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.surroundings.below import breadth_m
 from flatgrasp_cli.surroundings.on_support import OnSupport
 
-OVERHEAD_SHARE = 0.1
-"""A sensor nearer than this to straight above, as a share of its distance, is on no side."""
 ALONG_FINGER, BESIDE_M = (0.03, 0.12, 0.3, 0.7), 0.004
 """Where a finger's space is looked into, in shares of its length from its tip, and how near to the object, metres."""
 SURELY_BEHIND_M = 0.003
 """How far behind a surface space must lie to be hidden by it, metres: twice what a sensor's noise is."""
 ACROSS_PALM = (-1.0, -0.5, 0.0, 0.5, 1.0)
 """Where the palm's is, in halves of its size along the closing axis."""
+DISCS = 5
+"""Discs as wide as the palm that its room is told by: on one 15 cm × 5 cm they overlap by half."""
 ON_THE_WAY = (0.05, 0.5, 1.0)
 """And how far back on the hand's way, in shares of it."""
 
@@ -37,8 +37,6 @@ ON_THE_WAY = (0.05, 0.5, 1.0)
 @dataclass(frozen=True, slots=True, eq=False)
 class Aslant(OnSupport):
     """What the method asks of an object that the hand comes to aslant."""
-
-    seen_only: ClassVar[bool] = True
 
     def approached(
         self,
@@ -49,7 +47,9 @@ class Aslant(OnSupport):
         funnel: Funnel,
         /,
     ) -> GraspCandidates:
-        """The pairs to which the hand can come, through space that was seen to be free."""
+        """The pairs to which the hand can come, through space that was seen to be free or lies behind the object."""
+        grasps = grasps.select(np.flatnonzero(self._has_palm_room(grasps, gripper)))
+        funnel.count("palm_room", len(grasps), "the palm has no room over the object")
         grasps = OnSupport.approached(self, silhouette, fingers, grasps, gripper, funnel)
         if self.view.image is None:
             return grasps
@@ -63,14 +63,37 @@ class Aslant(OnSupport):
         )
         return grasps.select(kept)
 
+    def _has_palm_room(self, grasps: GraspCandidates, gripper: Gripper) -> BoolArray:
+        """Which pairs (p,) have room for a palm of the least height at which the pads hold anything at all.
+
+        It is a bound that costs little: a palm covers the discs in it, and no pads are higher than the object's top.
+        """
+        coarse = self.maps.coarse
+        highest = (
+            float(self.maps.surface.heights.max()) + gripper.finger_length_m - self.settings.depth.palm_clearance_m
+        )
+        free = (coarse.heights <= highest).view(np.uint8)
+        room_m = coarse.cell_m * cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+        radius = 0.5 * min(gripper.hand_width_m, gripper.palm_m)
+        farthest = 0.5 * gripper.palm_m - radius
+        has_room = np.ones(len(grasps), dtype=np.bool_)
+        for along in np.linspace(-farthest, farthest, DISCS):
+            x, y = (grasps.center + along * grasps.axis).T
+            has_room &= room_m.take(coarse.raster.cells(x, y)) >= radius
+        return has_room
+
     def _hidden(self, grasps: GraspCandidates, gripper: Gripper) -> FloatArray:
-        """Share (p,) of places in the fingers or in the palm, at the grasp and on the way, that no ray reached."""
-        shares = [
-            self.view.hides(np.ascontiguousarray(places.reshape(-1, 3).T), SURELY_BEHIND_M)
-            .reshape(len(places), -1)
-            .mean(axis=0)
-            for places in (self._in_fingers(grasps, gripper), self._in_palm(grasps, gripper))
-        ]
+        """Share (p,) of places in the fingers or in the palm, at the grasp and on the way, that no ray reached.
+
+        For fingers, what the object itself hides is no more in the way than it is for a hand from straight above.
+        """
+        shares = []
+        for places, behind in ((self._in_fingers(grasps, gripper), True), (self._in_palm(grasps, gripper), False)):
+            columns = np.ascontiguousarray(places.reshape(-1, 3).T)
+            hidden = self.view.hides(columns, SURELY_BEHIND_M)
+            if behind:
+                hidden &= ~self.view.shadowed(columns)
+            shares.append(hidden.reshape(len(places), -1).mean(axis=0))
         return np.asarray(np.maximum(*shares))
 
     def _in_fingers(self, grasps: GraspCandidates, gripper: Gripper) -> FloatArray:
@@ -101,21 +124,17 @@ class Aslant(OnSupport):
         return np.stack(places)
 
 
-def ways(cloud: ObjectCloud, settings: PlannerSettings) -> Iterator[list[FloatArray]]:
-    """For each tilt, the unit vectors (3,) that hands come against, the one on the sensor's side first."""
+def ways(cloud: ObjectCloud, across: FloatArray, settings: PlannerSettings) -> Iterator[list[FloatArray]]:
+    """For each tilt, the unit vectors (3,) that hands come against, around the support plane's normal.
+
+    The first is tilted along `across` (3,), a side of the object: then the ends of fingers that close along that side,
+    or across it, are parallel to the plane, and get as low as they can.
+    """
     if cloud.support is None:
         return
     normal = cloud.support.normal
-    aside = np.zeros(3)
-    if cloud.viewpoint is not None:
-        view = cloud.viewpoint - cloud.points.mean(axis=0)
-        aside = view - (view @ normal) * normal
-        aside = np.zeros(3) if np.linalg.norm(aside) < OVERHEAD_SHARE * np.linalg.norm(view) else aside
-    if not aside.any():
-        aside = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
-    first = aside / np.linalg.norm(aside)
-    second = np.cross(normal, first)
+    turned = np.cross(normal, across)
     turns = 2 * np.pi * np.arange(settings.approach.around) / settings.approach.around
     for tilt in np.radians(settings.approach.tilts_deg):
-        sides = [np.cos(turn) * first + np.sin(turn) * second for turn in turns]
+        sides = [np.cos(turn) * across + np.sin(turn) * turned for turn in turns]
         yield [np.cos(tilt) * normal + np.sin(tilt) * side for side in sides]

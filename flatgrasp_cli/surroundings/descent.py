@@ -107,7 +107,8 @@ def _held(fingers: FingerCandidates, grasps: GraspCandidates, around: Relief, gr
     wall = np.minimum(found.top[grasps.i], found.top[grasps.j])
     # Between two flanks the object slips out; if one side is upright, the other may be slanted.
     firm = wall - np.minimum(found.flank[grasps.i], found.flank[grasps.j])
-    need = np.minimum(around.settings.depth.min_grip_m, MIN_GRIP_SHARE * np.maximum(wall, 0.0))
+    need = MIN_GRIP_SHARE * np.clip(wall, 0.0, around.height_m)
+    need = np.minimum(around.settings.depth.min_grip_m, need)
     seen = np.maximum(found.boundary[grasps.i], found.boundary[grasps.j])
     return _Upright(wall=wall, firm=firm, need=need, seen=seen, found=found)
 

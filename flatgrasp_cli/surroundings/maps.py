@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.surroundings.view import View
@@ -32,7 +34,7 @@ class Relief:
 
     Fingertips may end at `lowest_m`, or lower beside a part that is too low for that. What is no higher than `ground_m`
     is no obstacle. Heights, in metres, are those over the support plane, or over the deepest point that was seen of a
-    standing object.
+    standing object. `height_m` is how high the object stands, which is less than its extent along an aslant approach.
     """
 
     level_m: float
@@ -41,3 +43,4 @@ class Relief:
     maps: HeightMaps
     view: View
     settings: PlannerSettings
+    height_m: float = np.inf

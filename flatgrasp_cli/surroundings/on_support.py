@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import ClassVar
 
 import numpy as np
 
@@ -19,12 +18,7 @@ from flatgrasp_cli.surroundings.walls import upright
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OnSupport(Relief):
-    """What the method asks of an object that stands on something and among others.
-
-    With `seen_only` fingers stand only where space was seen to be free, and otherwise in the object's shadow, too.
-    """
-
-    seen_only: ClassVar[bool] = False
+    """What the method asks of an object that stands on something and among others."""
 
     def sides(self, fingers: FingerCandidates, funnel: Funnel, /) -> FingerCandidates:
         """The candidates before upright sides, except those in holes that the sensor did not see through."""
@@ -32,12 +26,10 @@ class OnSupport(Relief):
             steep = upright(fingers, self.maps.rest, self.level_m, self.settings.depth.wall_drop)
             fingers = fingers.select(steep)
             funnel.count("upright", len(fingers), "the part that stands out has no steep side")
-        if self.view.image is None:
+        if self.view.viewpoint is None:
             fingers = replace(fingers, hidden=np.zeros(len(fingers)), seen=np.ones(len(fingers), dtype=np.bool_))
         else:
-            fingers = seen_sides(
-                fingers, self.maps, self.view, self.view.image.viewpoint, self.level_m, seen_only=self.seen_only
-            )
+            fingers = seen_sides(fingers, self.maps, self.view, self.view.viewpoint, self.level_m)
         funnel.count("open_sides", len(fingers), "the object's only side is that of a hole that was not seen through")
         return fingers
 

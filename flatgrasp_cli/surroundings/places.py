@@ -20,7 +20,6 @@ from flatgrasp_cli.geometry.spacing import spacing
 from flatgrasp_cli.model import ObjectCloud, OrientedBox, SupportPlane
 from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.surroundings.alone import Alone
-from flatgrasp_cli.surroundings.aslant import Aslant
 from flatgrasp_cli.surroundings.interface import Surroundings
 from flatgrasp_cli.surroundings.maps import HeightMaps
 from flatgrasp_cli.surroundings.on_support import OnSupport
@@ -28,8 +27,9 @@ from flatgrasp_cli.surroundings.sight import BEHIND_M
 from flatgrasp_cli.surroundings.slices import Slice, slices
 from flatgrasp_cli.surroundings.view import View
 
-PALM_CELL_M = 0.005
-"""Least side of the cells of the palm's height map, metres: a twentieth of a palm 10 cm wide."""
+PALM_CELL_M = 0.0025
+"""Least side of the cells of the palm's height map, metres: a wall seems thicker by up to two of them, and next to a
+wall half a centimetre of room is what there is."""
 PIXEL_CELLS = 1.5
 """Side of the range image's pixels, in cells of the height maps: then hardly a pixel is empty where there is a surface,
 and space half a finger's width beside an edge is still told from the space behind it."""
@@ -52,11 +52,6 @@ BELOW, FREE_SHARE = (0.25, 0.5), 0.5
 """Where free space is looked for under an object that may hang, as shares of its height over the plane; and the least
 share of those places that must be free. Closer to the object its own noise hides them, closer to the plane the plane's.
 """
-
-
-ASLANT_STEPS = 2.0
-"""Levels are so many times farther apart for hands that come aslant: there are many directions, and each is one more
-chance."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -146,45 +141,6 @@ def _above(whole: Place, around: OnSupport, local: FloatArray, piece: Slice) -> 
         points=whole.points[piece.rows],
         surroundings=replace(around, level_m=piece.level_m, maps=maps),
     )
-
-
-def aslant(cloud: ObjectCloud, toward: FloatArray, settings: PlannerSettings) -> list[Place]:
-    """An object on a support plane, to be grasped by a hand that comes against `toward` (3,), a unit vector.
-
-    Heights are over the deepest point that was seen of the object, and the support plane is an obstacle like any other.
-    Nothing where that cannot be told: the plane was not seen, or the points lie on a line.
-    """
-    box = box_across(toward, cloud.points, settings.main_plane.method)
-    if box is None or cloud.floor is None:
-        return []
-    depth = settings.depth.model_copy(update={"slice_step_m": ASLANT_STEPS * settings.depth.slice_step_m})
-    settings = settings.model_copy(update={"depth": depth})
-    frame = replace(box.frame, origin=box.frame.origin - 0.5 * box.size[2] * toward)
-    local, obstacles = frame.to_local(cloud.points), frame.to_local(cloud.obstacles)
-    spacing_m = min(spacing(local[:, :2]), NEIGHBOURS_WITHIN * cloud.floor.spacing_m)
-    cell_m, palm_cell_m = max(MIN_CELL_M, spacing_m), max(PALM_CELL_M, spacing_m)
-
-    def standing(cell_m: float) -> HeightMap:
-        """The highest of the floor and of the others."""
-        empty = HeightMap.around(local, cell_m, FINGERS_M)
-        floor = empty.filled(cloud.floor.levels, frame, cloud.floor.frame) if cloud.floor else empty
-        return floor.raised(obstacles)
-
-    others = standing(cell_m)
-    highest = others.raised(local)
-    average = highest.averaged(local)
-    coarse = standing(palm_cell_m).raised(local)
-    lowest, *upper = slices(local, cell_m, settings.depth)
-    around = Aslant(
-        level_m=lowest.level_m,
-        lowest_m=lowest.level_m,
-        ground_m=-np.inf,
-        maps=HeightMaps(surface=average, average=average, rest=others, highest=highest, coarse=coarse),
-        view=_view(cloud, frame, cell_m),
-        settings=settings,
-    )
-    whole = Place(box=box, frame=frame, points=cloud.points, surroundings=around, spacing_m=spacing_m)
-    return [whole, *(_above(whole, around, local, piece) for piece in upper)]
 
 
 def from_the_side(cloud: ObjectCloud, box: OrientedBox, settings: PlannerSettings) -> Place:

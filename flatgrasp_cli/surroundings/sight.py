@@ -56,23 +56,15 @@ ACROSS = np.linspace(-0.4, 0.4, 9)
 
 
 def seen_sides(
-    fingers: FingerCandidates,
-    maps: HeightMaps,
-    view: View,
-    viewpoint: FloatArray,
-    level_m: float,
-    *,
-    seen_only: bool = False,
+    fingers: FingerCandidates, maps: HeightMaps, view: View, viewpoint: FloatArray, level_m: float
 ) -> FingerCandidates:
     """The candidates except those in holes that were not seen through, with what was seen of the sides they stand at.
-
-    With `seen_only` those outside the object are left out, too, where no free space was seen.
 
     In the object's shadow, as cast from the sensor at `viewpoint` (3,), the silhouette is only where its top ends, and
     the object may go on behind that. Where only a face was seen and no top, its thickness is not known.
     """
     share = hidden_share(fingers, view, level_m)
-    open_sides = (share <= HOLE_SHARE) | ((fingers.loop == 0) & (not seen_only))
+    open_sides = (share <= HOLE_SHARE) | (fingers.loop == 0)
     fingers, shadowed = fingers.select(open_sides), share[open_sides] > SHADOW_SHARE
     hidden = hidden_extent(fingers, maps.surface, shadowed, viewpoint)
     seen = ~shadowed

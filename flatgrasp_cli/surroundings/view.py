@@ -17,22 +17,47 @@ class View:
     """How far the sensor's rays got: `image` holds those that met something above the support plane, in `frame`.
 
     Any other ray met the plane, where that was seen (`floor`), or nothing. Without an image everything was seen, from
-    all sides.
+    all sides. `others` are the rays without the object's own points. What is asked about is in the frame `asked`, in
+    that of the image if it is None.
     """
 
     image: RangeImage | None
     frame: Frame
     floor: Floor | None
+    others: RangeImage | None = None
+    asked: Frame | None = None
+
+    @property
+    def viewpoint(self) -> FloatArray | None:
+        """Where the sensor was (3,), in the frame of what is asked about."""
+        if self.image is None or self.asked is None:
+            return None if self.image is None else self.image.viewpoint
+        return self.asked.to_local(self.frame.to_world(self.image.viewpoint))
 
     def hides(self, columns: FloatArray, margin_m: float) -> BoolArray:
         """Which points, columns (3, n), lie more than `margin_m` behind what their ray met, or on a ray with no end."""
         if self.image is None:
             return np.zeros(columns.shape[1], dtype=np.bool_)
+        columns = self._in_the_image(columns)
         nearest, ranges = self.image.nearest(columns)
         hidden = np.asarray(nearest < ranges - margin_m)
         through = np.flatnonzero(np.isinf(nearest))
         hidden[through] = ~self._met_floor(columns.take(through, axis=1), self.image.viewpoint)
         return hidden
+
+    def shadowed(self, columns: FloatArray) -> BoolArray:
+        """Which points, columns (3, n), lie on rays that met the object itself."""
+        if self.image is None or self.others is None:
+            return np.zeros(columns.shape[1], dtype=np.bool_)
+        columns = self._in_the_image(columns)
+        return np.asarray(self.image.nearest(columns)[0] < self.others.nearest(columns)[0])
+
+    def _in_the_image(self, columns: FloatArray) -> FloatArray:
+        """Points, columns (3, n), in the image's frame."""
+        if self.asked is None:
+            return columns
+        turn = self.frame.axes @ self.asked.axes.T
+        return np.asarray(turn @ columns + self.frame.to_local(self.asked.origin)[:, None])
 
     def _met_floor(self, columns: FloatArray, viewpoint: FloatArray) -> BoolArray:
         """Whether the rays from `viewpoint` (3,) through points, columns (3, n), end where the plane was seen."""

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from mcap.writer import Writer
 
 from flatgrasp_cli import load_gripper, load_robot, load_settings, plan, read_clouds
 from flatgrasp_cli.results.table import grasp_table
@@ -21,6 +22,7 @@ COMMANDS = {
     "compare": ("compare", SAMPLES / "pan.pcd", SAMPLES / "juice_box.pcd"),
     "inspect": ("inspect", SAMPLES / "pan_ros1.bag", SAMPLES / "pan_ros2", SAMPLES / "pan.pcd"),
     "profiles": ("profiles", "list"),
+    "doctor": ("doctor",),
 }
 NUMBER = re.compile(r"-?\d+\.\d+")
 
@@ -59,6 +61,22 @@ def test_a_sources_name_is_broken_only_where_it_takes_too_much_room(run: Run, tm
     assert max(map(len, run("compare", long).out.splitlines())) <= 80
 
 
+def test_long_names_of_topics_are_broken_in_80_columns(tmp_path: Path, run: Run) -> None:
+    long = "/a_camera/depth_and_colour/registered/of_all_points/at_once"
+    path = tmp_path / "long.mcap"
+    with path.open("wb") as file:
+        writer = Writer(file)
+        writer.start()
+        schema = writer.register_schema("a_package_of_ours/msg/WithAQuiteLongName", "jsonschema", b"{}")
+        channel = writer.register_channel(long, "json", schema)
+        writer.add_message(channel, log_time=1, data=b"{}", publish_time=1)
+        writer.finish()  # type: ignore[no-untyped-call]
+    lines = run("inspect", path).out.splitlines()
+    assert max(map(len, lines)) <= 80
+    head = next(line for line in lines if line.startswith("topic"))
+    assert long in "".join(line[: head.index("type")].strip() for line in lines)
+
+
 def test_a_grasp_is_one_line_of_what_the_document_says(run: Run) -> None:
     aloof = "hand.clearance_m=0.025"
     done = run("plan", SCENE, "--plots", "none", "--gripper", "pr2", "--set", aloof)
@@ -87,6 +105,15 @@ def test_joints_are_in_the_table_in_degrees() -> None:
     (cloud,) = read_clouds(SCENE)
     table = grasp_table(plan(cloud, load_gripper("pr2"), robot=load_robot("ur10e")), wide=True)
     assert str(table.columns[-1].header).startswith("joints")
+
+
+def test_seven_joints_have_room(run: Run) -> None:
+    pytest.importorskip("eaik")
+    done = run("plan", SCENE, "--plots", "none", "--robot", "franka_fr3", "--camera-pose", POSE, "--object", "largest")
+    lines = done.out.splitlines()
+    assert max(map(len, lines)) <= 80
+    assert len(next(line for line in lines if line.split()[1:2] == ["1"]).split()) == 4 + 3 + 7
+    assert not any("needs" in line for line in lines)
 
 
 def test_wide_tables_say_the_rest(run: Run) -> None:

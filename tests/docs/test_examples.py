@@ -14,12 +14,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flatgrasp_cli import load_gripper, load_robot, plan, to_document
+from flatgrasp_cli import load_gripper, load_robot, load_settings, plan, to_document
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import axes_from_quaternion
+from flatgrasp_cli.job import Job
 from flatgrasp_cli.model import Cloud
+from flatgrasp_cli.placing import Workcell
 from flatgrasp_cli.robot import forward
+from flatgrasp_cli.serving import Answerer
 from tests.conftest import Box, Camera
+from tests.robot.arms import rows
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "docs" / "examples"
@@ -68,7 +72,7 @@ def test_the_ur_script_goes_where_the_joints_of_the_plan_go(
         found = re.search(r"movel\(p(\[.*?\]), a=", line)
         assert found is not None
         numbers = np.array(json.loads(found.group(1)))
-        flange = forward(UR5.dh, np.array(joints[name]))[5]
+        flange = forward(rows(UR5), np.array(joints[name]))[5]
         assert numbers[:3] == pytest.approx(flange[:3, 3], abs=1e-6)
         assert turned_by(numbers[3:]) == pytest.approx(flange[:3, :3], abs=1e-6)
         assert np.linalg.norm(numbers[3:]) <= np.pi + 1e-9
@@ -134,7 +138,15 @@ def ros(monkeypatch: pytest.MonkeyPatch) -> Recorder:
         "std_msgs": {},
         "std_msgs.msg": messages,
         "rclpy": {name: getattr(recorder, name) for name in ("init", "create_node", "spin")},
-        "rclpy.qos": {"QoSProfile": Message, "DurabilityPolicy": SimpleNamespace(TRANSIENT_LOCAL=1)},
+        "rclpy.qos": {
+            "QoSProfile": Message,
+            "DurabilityPolicy": SimpleNamespace(TRANSIENT_LOCAL=1),
+            "ReliabilityPolicy": SimpleNamespace(BEST_EFFORT=1),
+        },
+        "sensor_msgs": {},
+        "sensor_msgs.msg": {"PointCloud2": Message},
+        "sensor_msgs_py": {},
+        "sensor_msgs_py.point_cloud2": {"read_points_numpy": lambda cloud, _: cloud.points},
         "moveit": {},
         "moveit.planning": {"MoveItPy": lambda **_: recorder},
     }
@@ -173,6 +185,45 @@ def test_moveit_gets_the_pose_before_the_grasp_for_the_flange(
     assert goal["pose_stamped_msg"].header.frame_id == "base"
     check(goal["pose_stamped_msg"].pose, document["objects"][0]["grasps"][0]["flange"]["pre_grasp"])
     assert ros.calls["execute"] == (("the trajectory",), {"controllers": []})
+
+
+class Lines:
+    """A socket's file at whose other end a process plans; it keeps what came last."""
+
+    def __init__(self) -> None:
+        self._answerer = Answerer(lambda _: Job(load_gripper("pr2"), load_settings(), Workcell()))
+        self.asked = self.said = ""
+
+    def makefile(self, mode: str) -> Lines:
+        assert mode == "rw"
+        return self
+
+    def write(self, text: str) -> None:
+        self.asked += text
+
+    def flush(self) -> None:
+        self.said, self.asked = self._answerer.answer(self.asked.encode()), ""
+
+    def readline(self) -> str:
+        return self.said
+
+
+def test_a_ros_2_node_asks_a_process_that_stays(ros: Recorder, monkeypatch: pytest.MonkeyPatch) -> None:
+    lines = Lines()
+    monkeypatch.setattr("socket.create_connection", lambda _: lines)
+    runpy.run_path(str(EXAMPLES / "ros2_node.py"))
+    ros.calls.pop("publish", None)
+    (_, topic, plan_on, _), _ = ros.calls["create_subscription"]
+    cloud = Camera(tilt_deg=20, target=(0.45, -0.1, 0.0)).sees(
+        Box((0.45, 0.0, -0.01), (0.9, 0.7, 0.02)), Box((0.45, -0.1, 0.02), (0.10, 0.04, 0.04), 30)
+    )
+    plan_on(SimpleNamespace(header="header", width=len(cloud.points), height=1, points=cloud.points))
+    (message,), _ = ros.calls["publish"]
+    assert (topic, message.header) == ("points", "header")
+    check(message.pose, json.loads(lines.said)["documents"][0]["objects"][0]["grasps"][0]["flange"]["pose"])
+    nothing = SimpleNamespace(header="header", width=1, height=1, points=np.full((1, 3), np.nan))
+    plan_on(nothing)
+    assert "no point of the cloud" in ros.calls["warn"][0][0]
 
 
 def test_what_the_readme_shows_of_them_is_theirs() -> None:

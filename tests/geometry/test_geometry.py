@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+
 import numpy as np
 import pytest
 import shapely
@@ -152,6 +154,26 @@ def test_alpha_region_is_nearly_the_union_of_all_small_triangles(seed: int, alph
     largest = max(shapely.get_parts(full), key=lambda part: part.area)
     assert region.symmetric_difference(largest).area <= 0.04 * alpha * largest.length
     assert region.exterior.hausdorff_distance(largest.exterior) <= 2 * alpha
+
+
+TOUCHING = (
+    "5zweGEUpkj8ZtTqLc1NiPyMki2p885A/ANQxby7cYz/VlynBwSyRP9c2jWaiAVE/hgvIFwdmkT9M6SRFYNQ2v4Qg5Ku6HY0/nREg"
+    "N6TtZr8jo63Pq92MPwfw8CcYbUY/a1zTw+xPjT9cArGoH+NGvznlyR7WD40/zhEgN6TtZj/+s0N56/SNP1xS0KTfdPs+KVpOSCtY"
+    "iz9mzPnXNgpfvw7Leprne4g/Eozxdl1KNb/aaVrL5PuLPxDyVDFxN1O/prF3deMRhj/EXDE3yRgiv03fESN/d4A/oOBPDgQqZb+N"
+    "uzEiaxOBP7l+mSirl16/SSAfTN49gT+IlK99+t4uP/wVUYfrVX0/BnZjfiaKW7+U4SdcEbRzPx8oqzAab1W/eF99HUrGbT9BC7GI"
+    "lGFSv2jREx68b1A/cWq1xpwOWL9y7U9U8Twmv3MXh7YLA1W/YW+QfiybZL+Wusww0ddNv8J1bUbW/XS/pG98042XVL9l5yCQeaB/"
+    "v+0wHzr6O1q/9WbvdmSTfr8WeC3pmQhNv/7IXaYifYe/gXVGRGzTXL/v03Chet+Jvz8pdiGozVm/4N6DnNJBjL/73KX+48dWvxUd"
+    "jKDa+JC/UJXYgkFHOL/R6ZaXKqSOv7mQ1dsfwlO/2TweGEUpkr/gyUZgt28ovyNBps/98JG/2t8/E+9fWb8PTLgJUkKHP9AeGM+G"
+    "c1k/smvZPXMDjr/qWot5fJtTPy3OdAZh95G/TPAJcEL1Uj8="
+)
+"""35 points of a thing's rim, float64 in base64. Rounding turns a touch of their ring into a crossing."""
+
+
+def test_alpha_region_survives_rings_that_touch() -> None:
+    points = np.frombuffer(base64.b64decode(TOUCHING)).reshape(-1, 2)
+    region = alpha_region(points, 0.006135719910778963)
+    assert region.is_valid
+    assert region.area == pytest.approx(47.2e-6, rel=0.01)
 
 
 def test_alpha_region_keeps_a_real_hole_and_fills_a_gap() -> None:

@@ -23,6 +23,7 @@ from flatgrasp_cli.results.table import ROWS, grasp_table, headline, refusals
 from flatgrasp_cli.robot import forward
 from flatgrasp_cli.robot.reach import LIMITS
 from tests.conftest import EACH, MM, SAMPLES, TABLE, Box, Camera, cloud_of, holds, rectangle, sampled
+from tests.robot.arms import rows
 
 BESIDE = Box((0.45, 0.0, -0.01), (0.9, 0.7, 0.02))
 """A table in front of a robot whose base stands on its height."""
@@ -66,7 +67,7 @@ def checked(result: Plan) -> dict[str, Any]:
 
 
 def flange_z(robot: Robot, joints: FloatArray) -> tuple[FloatArray, FloatArray]:
-    pose = forward(robot.dh, joints)[5]
+    pose = forward(rows(robot), joints)[5]
     return pose[:3, 3], pose[:3, :3].T
 
 

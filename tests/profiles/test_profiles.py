@@ -11,6 +11,7 @@ from flatgrasp_cli import load_gripper, load_robot, load_settings
 from flatgrasp_cli.errors import ProfileError
 from flatgrasp_cli.profiles import Gripper, list_profiles, load_profile, profile_path
 from flatgrasp_cli.profiles.loading import problems_in
+from tests.robot.arms import rows
 
 GOOD = profile_path("gripper", "pr2").read_text(encoding="utf-8")
 
@@ -26,7 +27,8 @@ def test_all_that_the_readme_promises_ship() -> None:
         "wsg_50",
         "xarm_gripper",
     ]
-    assert list_profiles("robot") == ["ur10", "ur10e", "ur3", "ur3e", "ur5", "ur5e"]
+    others = ["franka_fr3", "kinova_gen3", "kinova_gen3_6dof", "xarm6"]
+    assert list_profiles("robot") == sorted([*others, "ur10", "ur10e", "ur3", "ur3e", "ur5", "ur5e"])
     assert list_profiles("planner") == ["allen", "default", "paper"]
 
 
@@ -37,8 +39,8 @@ def test_every_shipped_profile_loads_under_its_own_name(kind: str) -> None:
 
 
 def test_robots_are_data_of_six_joints() -> None:
-    assert load_robot("ur5").dh.a_m[1:3] == (-0.425, -0.39225)
-    assert load_robot("ur5e").dh.d_m[0] == 0.1625
+    assert rows(load_robot("ur5")).a_m[1:3] == (-0.425, -0.39225)
+    assert rows(load_robot("ur5e")).d_m[0] == 0.1625
 
 
 def test_a_profile_is_frozen() -> None:

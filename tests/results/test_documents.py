@@ -74,12 +74,28 @@ def inspected(tool: Tool) -> Documents:
     return tool.lines("inspect", tool.plate, SAMPLES / "pan_ros2", RECORDING, SAMPLES / "pan_foxglove.mcap")
 
 
+REQUESTS: Documents = [
+    {"id": 7, "source": str(SAMPLES / "pan.pcd"), "options": {"gripper": "pr2", "set": {"fingers": {"step_m": 0.006}}}},
+    {"id": "two", "source": str(RECORDING), "options": {"count": 2}},
+    {"id": None, "data": "aGVsbG8="},
+]
+
+
+def answered(tool: Tool) -> Documents:
+    lines = b"".join(json.dumps(request).encode() + b"\n" for request in REQUESTS)
+    done = tool.run("serve", stdin=lines + b"no request\n")
+    assert done.code == 0
+    return [json.loads(line, parse_constant=pytest.fail) for line in done.out.splitlines()]
+
+
 MADE: dict[str, Callable[[Tool], Documents]] = {
     "plan": planned,
     "cage": caged,
     "compare": lambda tool: tool.lines("compare", tool.plate, tool.large, SAMPLES / "pan.pcd"),
     "inspect": inspected,
     "trial": lambda tool: tool.lines("simulate", "hammer", "juice_box", "--trials", "1", "--mu", "0.05"),
+    "request": lambda _: REQUESTS,
+    "answer": answered,
     "gripper": lambda tool: tool.profiles("gripper"),
     "robot": lambda tool: tool.profiles("robot"),
     "planner": lambda tool: tool.profiles("planner"),

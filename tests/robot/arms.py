@@ -10,7 +10,7 @@ from flatgrasp_cli import load_robot
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import Reach
 from flatgrasp_cli.profiles import list_profiles
-from flatgrasp_cli.profiles.robot import Robot
+from flatgrasp_cli.profiles.robot import DenavitHartenberg, Robot
 from flatgrasp_cli.robot import (
     Motion,
     Plane,
@@ -18,7 +18,8 @@ from flatgrasp_cli.robot import (
     reach,
 )
 
-ROBOTS = list_profiles("robot")
+ROBOTS = [name for name in list_profiles("robot") if load_robot(name).dh is not None]
+"""Arms of the UR family."""
 UR5 = load_robot("ur5")
 UP = np.array([0.0, 0.0, 1.0])
 DOWN = np.array([[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]])
@@ -27,12 +28,18 @@ STILL = Motion(0.0, 0.0, UP, twin=False)
 USUAL = Motion(0.1, 0.1, UP, twin=False)
 
 
+def rows(robot: Robot) -> DenavitHartenberg:
+    """Those of an arm of the UR family."""
+    assert robot.dh is not None
+    return robot.dh
+
+
 def random_joints(count: int, seed: int = 0) -> FloatArray:
     return np.random.default_rng(seed).uniform(-np.pi, np.pi, (count, 6))
 
 
 def flange(robot: Robot, joints: FloatArray) -> tuple[FloatArray, FloatArray]:
-    pose = forward(robot.dh, joints)[..., 5, :, :]
+    pose = forward(rows(robot), joints)[..., 5, :, :]
     return pose[..., :3, 3], np.swapaxes(pose[..., :3, :3], -1, -2)
 
 

@@ -37,6 +37,7 @@ from tests.robot.arms import (
     farthest_x,
     flange,
     random_joints,
+    rows,
 )
 
 
@@ -49,8 +50,8 @@ def test_a_grasp_in_reach_takes_the_fingertips_to_three_poses() -> None:
     np.testing.assert_allclose(tips, position + np.outer([0.1, 0.0, 0.08], UP), atol=1e-9)
     np.testing.assert_allclose(axes, np.broadcast_to(DOWN, (3, 3, 3)), atol=1e-9)
     assert answer.manipulability is not None
-    assert 0.04 * 0.119 < answer.manipulability <= manipulability(UR5.dh, angles(answer)).min() + 1e-12
-    assert answer.manipulability_share == pytest.approx(answer.manipulability / max_manipulability(UR5.dh))
+    assert 0.04 * 0.119 < answer.manipulability <= manipulability(rows(UR5), angles(answer)).min() + 1e-12
+    assert answer.manipulability_share == pytest.approx(answer.manipulability / max_manipulability(rows(UR5)))
 
 
 def test_out_of_reach_at_the_pre_grasp_pose() -> None:
@@ -103,7 +104,7 @@ def test_the_elbow_must_stay_above_the_table() -> None:
     """Where the nearest branch to a stance with the elbow down dips below the table, another one is taken."""
     low = changed(UR5, "reach", reference_deg=(0, 20, -90, 0, -90, 0))
     free, held = (asked(low, [-0.55, 0.1, 0.1], USUAL, table) for table in (None, Plane(UP, 0.0)))
-    elbows = [forward(UR5.dh, angles(answer))[:, 1, 2, 3].min() for answer in (free, held)]
+    elbows = [forward(rows(UR5), angles(answer))[:, 1, 2, 3].min() for answer in (free, held)]
     assert elbows[0] < 0.06 <= elbows[1]
 
 
@@ -119,7 +120,7 @@ def within(robot: Robot, joints: FloatArray, margin_deg: float) -> Robot:
 def test_the_elbow_must_stay_its_radius_above_the_table() -> None:
     joints = np.radians([0.0, -10, -60, -20, -90, 0])  # the elbow is the lowest of all
     robot, (position, axes) = within(UR5, joints, 30.0), flange(UR5, joints)
-    height = forward(UR5.dh, joints)[1:5, 2, 3]
+    height = forward(rows(UR5), joints)[1:5, 2, 3]
     assert height[0] + 0.02 < height[1:].min()
     assert asked(robot, position, STILL, Plane(UP, height[0] - 0.0601), axes).ok
     assert asked(robot, position, STILL, Plane(UP, height[0] - 0.0599), axes).limit == "below the table"
@@ -176,7 +177,7 @@ def test_whole_turns_are_chosen_near_the_reference(turns: int) -> None:
 
 def test_the_branch_nearest_to_the_reference_is_taken() -> None:
     position, axes = flange(UR5, np.array([0.3, -1.2, 1.4, -0.9, -1.3, 0.4]))
-    branches = inverse(UR5.dh, position[None], axes[None])[0]
+    branches = inverse(rows(UR5), position[None], axes[None])[0]
     assert exists(branches).all()
     for joints in branches:
         robot = changed(LAX, "reach", reference_deg=tuple(np.degrees(joints)))

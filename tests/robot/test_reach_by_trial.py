@@ -28,6 +28,7 @@ from tests.robot.arms import (
     asked,
     changed,
     exists,
+    rows,
 )
 
 
@@ -44,15 +45,15 @@ def random_grasps(count: int, seed: int) -> tuple[FloatArray, FloatArray]:
 def goes_by_trial(robot: Robot, waypoints: FloatArray, axes: FloatArray, table: Plane) -> bool:
     """The reach test one branch, one waypoint and one turn of each joint at a time."""
     lower, upper = np.radians(robot.joints.lower_deg), np.radians(robot.joints.upper_deg)
-    solutions = inverse(robot.dh, waypoints, np.broadcast_to(axes, (len(waypoints), 3, 3)))
+    solutions = inverse(rows(robot), waypoints, np.broadcast_to(axes, (len(waypoints), 3, 3)))
     for path in np.moveaxis(solutions, 1, 0):
         if not exists(path).all() or np.max(apart(path[1:], path[:-1])) > np.radians(robot.reach.max_step_deg):
             continue
         joints = np.unwrap(path, axis=0)
         turns = 2 * np.pi * np.arange(-3, 4)[:, None, None]
         within = ((joints + turns >= lower) & (joints + turns <= upper)).all(axis=1).any(axis=0)
-        ability = manipulability(robot.dh, joints).min() / max_manipulability(robot.dh)
-        height = forward(robot.dh, joints)[:, 1:5, :3, 3] @ table.normal - table.offset_m
+        ability = manipulability(rows(robot), joints).min() / max_manipulability(rows(robot))
+        height = forward(rows(robot), joints)[:, 1:5, :3, 3] @ table.normal - table.offset_m
         clear = (height >= [robot.links.elbow_m, *[robot.links.wrist_m] * 3]).all()
         if within.all() and ability >= robot.reach.min_manipulability_share and clear:
             return True

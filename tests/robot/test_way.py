@@ -18,6 +18,7 @@ from flatgrasp_cli.model import Cloud, Grasp, Pose, Poses, Reach
 from flatgrasp_cli.profiles import Gripper, Robot
 from flatgrasp_cli.robot import Motion, forward, in_dh_base, way_to
 from tests.conftest import Box, Camera
+from tests.robot.arms import rows
 
 UR5 = load_robot("ur5")
 DEPTH = load_settings().depth
@@ -44,7 +45,7 @@ def of_joints(robot: Robot, reach: Reach | None) -> tuple[FloatArray, FloatArray
     """Places (3, 3) and rotations (3, 3, 3) of the flange in the robot's base frame: pre-grasp, grasp, lift."""
     assert reach is not None
     assert reach.joints_rad is not None
-    frames = forward(robot.dh, reach.joints_rad)[:, 5]
+    frames = forward(rows(robot), reach.joints_rad)[:, 5]
     turn = np.diag(in_dh_base(robot.base_frame, np.ones(3)))
     return frames[:, :3, 3] @ turn, turn @ frames[:, :3, :3]
 

@@ -160,6 +160,11 @@ class TestContainer:
         assert_each_is_one(scene, (*THINGS, AT_WALL), 0.9)
         assert np.mean(np.abs(scene.container[:, :2]).max(axis=1) > 0.17) > 0.98
 
+    def test_a_low_thing_near_a_wall_is_found_among_the_floors_ripple(self) -> None:
+        phone = Box((-0.142, 0.05, 0.012), (0.05, 0.11, 0.024))
+        scene = scene_of(WIDE.sees(TABLE, *walls(0.12), phone, noise_m=1.2 * MM))
+        assert_each_is_one(scene, (phone,), 0.9)
+
     def test_its_walls_are_solid_down_to_the_floor_outside_too(self) -> None:
         scene = scene_of(WIDE.sees(TABLE, *walls(0.12), *THINGS))
         obstacles = scene.objects[0].obstacles

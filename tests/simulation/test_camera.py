@@ -9,7 +9,6 @@ from flatgrasp_cli import load_gripper, load_robot
 from flatgrasp_cli.errors import UsageError
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame
-from flatgrasp_cli.profiles import list_profiles
 from flatgrasp_cli.robot import forward, in_dh_base
 from flatgrasp_cli.simulation.camera import (
     DISPARITY_STEP_PX,
@@ -23,6 +22,7 @@ from flatgrasp_cli.simulation.camera import (
 from flatgrasp_cli.simulation.looking import BESIDE_M, look_at, look_by_arm, spot_of
 from flatgrasp_cli.simulation.solids import Mesh, box, ellipsoid
 from flatgrasp_cli.simulation.trial import TABLE
+from tests.robot.arms import ROBOTS, rows
 
 DOWN = np.diag([1.0, -1.0, -1.0])
 
@@ -109,14 +109,14 @@ def test_a_floating_camera_looks_at_the_spot_at_its_tilt(azimuth: float) -> None
     assert np.arctan2(out[1], out[0]) == pytest.approx(azimuth)
 
 
-@pytest.mark.parametrize("robot", list_profiles("robot"))
+@pytest.mark.parametrize("robot", ROBOTS)
 @pytest.mark.parametrize("gripper", ["lacquey", "franka_hand"])
 def test_an_arm_brings_its_camera_there_and_the_hand_stays_out_of_view(robot: str, gripper: str) -> None:
     arm, hand = load_robot(robot), load_gripper(gripper).model_copy(update={"mounted_deg": 30.0})
     spot = spot_of(arm)
     look = look_by_arm(arm, hand, spot, np.radians(20), 0.3)
     assert look.joints is not None
-    pose = forward(arm.dh, look.joints)[5]
+    pose = forward(rows(arm), look.joints)[5]
     flange = Frame(in_dh_base(arm.base_frame, pose[:3, 3]), in_dh_base(arm.base_frame, pose[:3, :3].T))
     c, s = np.cos(np.radians(30)), np.sin(np.radians(30))
     hand_x, hand_y = c * flange.axes[0] + s * flange.axes[1], c * flange.axes[1] - s * flange.axes[0]
@@ -129,7 +129,7 @@ def test_an_arm_brings_its_camera_there_and_the_hand_stays_out_of_view(robot: st
 
 def test_an_arm_that_gets_its_camera_nowhere_says_what_to_do() -> None:
     ur5 = load_robot("ur5")
-    short = ur5.dh.model_copy(update={"a_m": (0.0, -0.05, -0.05, 0.0, 0.0, 0.0)})
+    short = rows(ur5).model_copy(update={"a_m": (0.0, -0.05, -0.05, 0.0, 0.0, 0.0)})
     stump = ur5.model_copy(update={"dh": short})
     with pytest.raises(
         UsageError, match=r"ur5 brings its camera nowhere .* give another --sensor-tilt, or --robot none"

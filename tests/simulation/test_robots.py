@@ -16,10 +16,12 @@ from flatgrasp_cli.simulation.arm import Arm
 from flatgrasp_cli.simulation.carriers import Floating, missed, palm_at
 from flatgrasp_cli.simulation.engine import load_mujoco
 from flatgrasp_cli.simulation.hands import hand_of
+from flatgrasp_cli.simulation.looking import spot_of
 from flatgrasp_cli.simulation.parts import Kind, Pads
 from flatgrasp_cli.simulation.solids import box, ellipsoid, joined, rod
 from flatgrasp_cli.simulation.things import Thing
 from flatgrasp_cli.simulation.world import World
+from tests.robot.arms import ROBOTS, rows
 
 DOWN = np.array([1.0, 0.0, 0.0, 0.0])
 """The palm's z axis points down, as a quaternion [x, y, z, w]."""
@@ -148,7 +150,7 @@ def test_adaptive_fingers_wrap_what_they_touch_near_their_distal_pins() -> None:
     assert {name.partition(".")[2] for name in pressing(world)} == {"proximal", "distal"}
 
 
-@pytest.mark.parametrize("name", list_profiles("robot"))
+@pytest.mark.parametrize("name", ROBOTS)
 @pytest.mark.parametrize("base", ["base", "base_link"])
 def test_an_arm_is_where_its_rows_say_and_goes_where_it_is_told(name: str, base: str) -> None:
     robot = load_robot(name).model_copy(update={"base_frame": base})
@@ -157,7 +159,7 @@ def test_an_arm_is_where_its_rows_say_and_goes_where_it_is_told(name: str, base:
     start = np.radians(robot.reach.reference_deg) + np.array([0.3, 0.2, 0.1, -0.2, 0.3, 0.4])
     world.reset(start, 0.05)
     palm, turn = world.palm()
-    flange = forward(robot.dh, start)[5]
+    flange = forward(rows(robot), start)[5]
     axes = in_dh_base(robot.base_frame, flange[:3, :3].T)
     place = in_dh_base(robot.base_frame, flange[:3, 3]) + gripper.palm_offset_m * axes[2]
     assert palm == pytest.approx(place, abs=1e-9)
@@ -206,3 +208,8 @@ def test_a_hand_that_misses_is_off_in_its_own_plane() -> None:
 def test_what_the_engine_refuses_is_an_error_in_words() -> None:
     with pytest.raises(UsageError, match=r"MuJoCo cannot simulate this: .*mass"):
         floating("pr2", block((0.04, 0.03, 0.04), mass_kg=1e-30))
+
+
+def test_an_arm_of_another_make_is_refused() -> None:
+    with pytest.raises(UsageError, match="simulate knows arms of the UR family alone"):
+        spot_of(load_robot("xarm6"))

@@ -11,7 +11,8 @@ from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.model import Grasp, ObjectCloud, SupportPlane
 from flatgrasp_cli.profiles import Gripper
-from flatgrasp_cli.surroundings import ways
+from flatgrasp_cli.scene import segment
+from flatgrasp_cli.surroundings import Tilted, ways
 from tests.conftest import MM, TABLE, Box, Camera
 from tests.scene.test_heaps import distance, walls
 
@@ -44,25 +45,17 @@ def test_an_aslant_axis_meets_the_heights_over_the_plane(angle_deg: float) -> No
     assert np.abs(world[:, 2] - 0.1 * world[:, 0]).max() < 2.5 * MM / np.cos(np.radians(angle_deg))
 
 
-def thing(viewpoint: tuple[float, float, float] | None) -> ObjectCloud:
-    plane = SupportPlane(UP, 0.0, 1 * MM)
-    seen = None if viewpoint is None else np.array(viewpoint)
-    return ObjectCloud(0, np.zeros((40, 3)), UP, seen, plane)
-
-
-@pytest.mark.parametrize("viewpoint", [(0.0, -0.5, 0.8), (0.4, 0.0, 0.2), (0.0, 0.0, 1.0), None])
-def test_hands_come_from_all_around_and_from_the_sensors_side_first(
-    viewpoint: tuple[float, float, float] | None,
-) -> None:
+def test_hands_come_from_all_around_and_first_along_the_objects_side() -> None:
     approach = SETTINGS.approach.model_copy(update={"tilts_deg": (30.0, 60.0)})
-    found = [np.array(ring) for ring in ways(thing(viewpoint), SETTINGS.model_copy(update={"approach": approach}))]
+    plane, side = SupportPlane(UP, 0.0, 1 * MM), np.array([0.6, 0.8, 0.0])
+    item = ObjectCloud(0, np.zeros((40, 3)), UP, None, plane)
+    found = [np.array(ring) for ring in ways(item, side, SETTINGS.model_copy(update={"approach": approach}))]
     assert [len(ring) for ring in found] == [8, 8]
     for ring, tilt in zip(found, (30, 60), strict=True):
         assert np.linalg.norm(ring, axis=1) == pytest.approx(1)
         assert np.degrees(np.arccos(ring[:, 2])) == pytest.approx(tilt)
         assert ring.mean(axis=0)[:2] == pytest.approx(0, abs=1e-9)
-        if viewpoint is not None and np.hypot(*viewpoint[:2]) > 0.1:
-            assert int(np.argmax(ring @ np.array(viewpoint))) == 0
+        assert ring[0] == pytest.approx(np.cos(np.radians(tilt)) * UP + np.sin(np.radians(tilt)) * side)
 
 
 def hand_in(grasp: Grasp, gripper: Gripper, *, back_m: float = 0.0) -> np.ndarray:
@@ -100,12 +93,18 @@ class TestInABin:
                 assert min(distance(wall, hand).min() for wall in BIN) > 0
                 assert hand[:, 2].min() > 0
 
-    def test_on_a_table_it_is_not_tried_unless_asked_for(self) -> None:
-        """Between two walls that are no bin, a bar that only an aslant hand can reach."""
+    def test_beside_a_lone_wall_hands_lean_away_from_it(self) -> None:
+        """On a table they are tried where only the palm is in the way."""
         cloud = ABOVE.sees(TABLE, BIN[1], AT_WALL)
         down = plan(cloud, load_gripper("pr2"), load_settings("default", ("approach.tilts_deg=[]",)))
-        usual = plan(cloud, load_gripper("pr2"))
-        assert [len(item.grasps) for item in usual.objects] == [len(item.grasps) for item in down.objects]
+        found = plan(cloud, load_gripper("pr2"))
+        bar = [min(plans.objects, key=lambda item: len(item.object.points)) for plans in (down, found)]
+        assert not bar[0].grasps
+        assert bar[1].grasps
+        for grasp in bar[1].grasps:
+            assert (
+                min(distance(BIN[1], hand_in(grasp, found.gripper, back_m=back)).min() for back in (0, 0.05, 0.1)) > 0
+            )
 
     def test_no_hand_comes_through_what_was_not_seen(self) -> None:
         """With nearly all of its way to be seen there is a grasp; if none of it may be hidden by anything, fewer."""
@@ -113,3 +112,51 @@ class TestInABin:
         counts = [sum(len(item.grasps) for item in found.objects) for found in (some, none)]
         assert counts[0] >= counts[1]
         assert counts[0] > 0
+
+    def test_behind_the_object_a_finger_may_stand_where_nothing_was_seen(self) -> None:
+        """The bar's far side and the gap to the wall lie in its own shadow, as below a hand from straight above."""
+        bar = Box((0.0, 0.115, 0.015), (0.12, 0.03, 0.03))
+        cloud = Camera(tilt_deg=20, distance=0.9, pixels=(400, 300), focal=400.0).sees(TABLE, *BIN, bar)
+        found = plan(cloud, load_gripper("pr2"))
+        assert found.best is not None, found.reason
+        assert found.best.tilt_deg > 1
+        for back in (0.0, 0.03, 0.06, 0.1):
+            hand = hand_in(found.best, found.gripper, back_m=back)
+            assert min(distance(solid, hand).min() for solid in (*BIN, bar)) > 0
+            assert hand[:, 2].min() > 0
+
+
+class TestBody:
+    """A box 6 cm high, seen from one side."""
+
+    BOX = Box((0.0, 0.0, 0.03), (0.1, 0.06, 0.06))
+    CAMERA = Camera(tilt_deg=35)
+
+    def tilted(self) -> Tilted:
+        item = segment(self.CAMERA.sees(TABLE, self.BOX), SETTINGS.scene, 0).objects[0]
+        assert item.floor is not None
+        return Tilted(item, item.floor, SETTINGS.resolve(load_gripper("pr2")))
+
+    def test_what_was_hidden_below_its_rim_belongs_to_it(self) -> None:
+        """Its far side was not seen. A hand from over there finds it as high as it is, 6 cm, and not the top's edge."""
+        toward = np.array([0.0, np.sin(np.radians(30)), np.cos(np.radians(30))])
+        place = self.tilted().place(toward, load_gripper("pr2"))
+        assert place is not None
+        far = place.points[place.points[:, 1] > 0.025]
+        assert far[:, 2].min() < 10 * MM
+        assert distance(self.BOX, place.points).max() < 4 * MM
+
+    def test_half_of_its_height_is_what_pads_must_hold_at_most(self) -> None:
+        place = self.tilted().place(UP, load_gripper("pr2"))
+        assert place is not None
+        assert place.surroundings.height_m == pytest.approx(60 * MM, abs=3 * MM)  # type: ignore[attr-defined]
+
+    def test_there_is_no_place_where_a_palm_has_no_room(self) -> None:
+        """Between walls 5 cm apart and 15 cm high."""
+        walls = tuple(Box((0.0, side * 0.045, 0.075), (0.3, 0.02, 0.15)) for side in (-1, 1))
+        bar = Box((0.0, 0.0, 0.01), (0.1, 0.02, 0.02))
+        scene = segment(Camera().sees(TABLE, *walls, bar), SETTINGS.scene, 0)
+        item = min(scene.objects, key=lambda item: float(np.abs(item.points[:, 1]).max()))
+        assert item.floor is not None
+        tilted = Tilted(item, item.floor, SETTINGS.resolve(load_gripper("pr2")))
+        assert tilted.place(np.array([0.0, 0.5, np.sqrt(0.75)]), load_gripper("pr2")) is None

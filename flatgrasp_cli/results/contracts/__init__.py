@@ -31,6 +31,8 @@ KINDS = {
     "batch": Kind(f"{__name__}.batch", "BatchDocument", "A whole batch in numbers: its summary.json."),
     "batch-record": Kind(f"{__name__}.batch", "RecordDocument", "What a batch remembers of one frame."),
     "batch-manifest": Kind(f"{__name__}.batch", "ManifestDocument", "What the results of a batch were made with."),
+    "request": Kind(f"{__name__}.answer", "RequestDocument", "What serve is asked in a line."),
+    "answer": Kind(f"{__name__}.answer", "AnswerDocument", "What serve says to a request."),
     "gripper": Kind(PROFILES, "Gripper", "A gripper's profile."),
     "robot": Kind(PROFILES, "Robot", "A robot's profile."),
     "planner": Kind(PROFILES, "PlannerSettings", "A profile of planner settings."),

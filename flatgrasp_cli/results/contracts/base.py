@@ -14,7 +14,7 @@ Number = Annotated[float, Field(allow_inf_nan=False)]
 Vector2 = tuple[Number, Number]
 Vector3 = tuple[Number, Number, Number]
 Vector4 = tuple[Number, Number, Number, Number]
-Vector6 = tuple[Number, Number, Number, Number, Number, Number]
+JointAngles = Annotated[list[Number], Field(min_length=6, max_length=7)]
 Status = Literal["ok", "no_grasp"]
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from flatgrasp_cli.results.contracts.base import Number, Part, Vector3, Vector4, Vector6
+from flatgrasp_cli.results.contracts.base import JointAngles, Number, Part, Vector3, Vector4
 
 
 class PosePart(Part):
@@ -90,11 +90,11 @@ class SuccessPart(Part):
 class JointsPart(Part):
     """Joint angles, base to wrist, along the way."""
 
-    pre_grasp: Vector6
+    pre_grasp: JointAngles
     """With the flange at its `pre_grasp`, radians."""
-    grasp: Vector6
+    grasp: JointAngles
     """With the flange at its `pose`, radians."""
-    lift: Vector6
+    lift: JointAngles
     """With the flange at its `lift`, radians."""
 
 

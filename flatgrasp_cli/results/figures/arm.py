@@ -15,7 +15,7 @@ from flatgrasp_cli.profiles import Robot
 from flatgrasp_cli.results.figures.page import Page
 from flatgrasp_cli.results.figures.space import draw_axes_of, draw_hand_in_space, finish_space
 from flatgrasp_cli.results.figures.style import BLUE, GREY, MM, ORANGE, PALE, RED, SKY, draw_dots_in_space, thinned
-from flatgrasp_cli.robot import forward, in_dh_base
+from flatgrasp_cli.robot import arm_of
 
 POSES: tuple[tuple[str, dict[str, Any]], ...] = (
     ("arm at the pre-grasp", {"color": SKY, "lw": 7.0, "ms": 9.0, "alpha": 0.5}),
@@ -87,9 +87,8 @@ def _draw_reach(axes: Any, robot: Robot) -> FloatArray:
 
 
 def links_of(robot: Robot, joints: FloatArray) -> FloatArray:
-    """Origins (7, 3) of the base and of the arm's frames, in the robot's base frame."""
-    origins = forward(robot.dh, joints)[:, :3, 3]
-    return in_dh_base(robot.base_frame, np.vstack([np.zeros(3), origins]))
+    """Places (k, 3) along the arm from its base to the flange, in the robot's base frame."""
+    return arm_of(robot).links(joints)
 
 
 def _shown(plan: Plan) -> tuple[ObjectPlan, Grasp] | None:

@@ -10,6 +10,7 @@ from flatgrasp_cli.geometry.frames import axes_from_quaternion
 from flatgrasp_cli.model import ObjectPlan, Rejection
 from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.profiles import Robot, list_profiles, load_robot
+from flatgrasp_cli.robot import arm_of
 
 
 def out_of_reach(plan: Plan, item: ObjectPlan, rejection: Rejection) -> str | None:
@@ -37,7 +38,8 @@ def out_of_reach(plan: Plan, item: ObjectPlan, rejection: Rejection) -> str | No
 def _longer_arm(plan: Plan, robot: Robot, item: ObjectPlan) -> str | None:
     """How far the nearest of the refused grasps is, and the arm that gets there; None if it is not too far."""
     tool = plan.gripper.palm_offset_m + plan.gripper.finger_length_m
-    shoulder = np.array([0.0, 0.0, robot.dh.d_m[0]])
+    arm = arm_of(robot)
+    shoulder = arm.in_own_base(arm.shoulder)
     apart = []
     for grasp in item.refused:
         approach = axes_from_quaternion(grasp.orientation)[2]
@@ -48,9 +50,9 @@ def _longer_arm(plan: Plan, robot: Robot, item: ObjectPlan) -> str | None:
     if far <= robot.reach_m:
         return None
     said = f"its flange must go {far:.2f} m from the shoulder, {robot.name} reaches {robot.reach_m:.2f} m"
-    longer = [each for each in _shipped_robots() if each.reach_m >= far]
-    arm = min(longer, key=lambda each: each.reach_m, default=None)
-    return f"{said}: --robot {arm.name} reaches {arm.reach_m:.2f} m" if arm else f"{said}: is --camera-pose right?"
+    longer = [each for each in _shipped_robots() if each.reach_m >= far and each.dh]  # which need no extra
+    other = min(longer, key=lambda each: each.reach_m, default=None)
+    return f"{said}: " + (f"--robot {other.name} reaches {other.reach_m:.2f} m" if other else "is --camera-pose right?")
 
 
 @cache

@@ -1,0 +1,146 @@
+"""Where hands that come aslant to an object are planned for: one place for each direction.
+
+What the sensor saw of the object's top and of its front is all that there is of it. Seen from aslant, that is a shell:
+so what was hidden straight below its rim is taken to belong to it, as a hand from straight above takes for granted.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import cv2
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import FloatArray, true_entries
+from flatgrasp_cli.geometry.frames import Frame
+from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
+from flatgrasp_cli.geometry.range_image import RangeImage
+from flatgrasp_cli.geometry.raster import Raster
+from flatgrasp_cli.geometry.spacing import spacing
+from flatgrasp_cli.model import Floor, ObjectCloud
+from flatgrasp_cli.profiles.gripper import Gripper
+from flatgrasp_cli.profiles.settings import PlannerSettings
+from flatgrasp_cli.surroundings.aslant import SURELY_BEHIND_M, Aslant
+from flatgrasp_cli.surroundings.maps import HeightMaps
+from flatgrasp_cli.surroundings.places import (
+    FINGERS_M,
+    MIN_CELL_M,
+    NEIGHBOURS_WITHIN,
+    PALM_CELL_M,
+    PIXEL_CELLS,
+    Place,
+    box_across,
+)
+from flatgrasp_cli.surroundings.slices import lowest_tip, top_of
+from flatgrasp_cli.surroundings.view import View
+
+
+@dataclass(frozen=True, eq=False)
+class Tilted:
+    """An object that stands on a support plane of which the `floor` was seen, for hands from any direction."""
+
+    cloud: ObjectCloud
+    floor: Floor
+    settings: PlannerSettings
+
+    @cached_property
+    def _cell_m(self) -> float:
+        """How far apart the object's points lie, seen from above, metres."""
+        flat = self.floor.frame.to_local(self.cloud.points)[:, :2]
+        return max(MIN_CELL_M, min(spacing(flat), NEIGHBOURS_WITHIN * self.floor.spacing_m))
+
+    @cached_property
+    def _height_m(self) -> float:
+        """How high the object stands on the plane, metres."""
+        return top_of(self.floor.frame.to_local(self.cloud.points)[:, 2])
+
+    @cached_property
+    def _view(self) -> View:
+        """What the sensor saw, in the frame of the floor."""
+        frame, viewpoint = self.floor.frame, self.cloud.viewpoint
+        if viewpoint is None:
+            return View(None, frame, self.floor)
+        own, others = frame.to_local(self.cloud.points), frame.to_local(self.cloud.obstacles)
+        image = RangeImage.of(np.concatenate([own, others]), frame.to_local(viewpoint), PIXEL_CELLS * self._cell_m)
+        return View(image, frame, self.floor, others=image.of_only(others))
+
+    @cached_property
+    def _body(self) -> FloatArray:
+        """Points (k, 3) of the object below its rim that were hidden, down to the lowest that was seen of it."""
+        frame, cell_m = self.floor.frame, self._cell_m
+        local = frame.to_local(self.cloud.points)
+        raster = Raster.around(local[:, 0], local[:, 1], cell_m)
+        cell = raster.cells(local[:, 0], local[:, 1])
+        seen = (raster.count(cell) > 0).view(np.uint8)
+        rim = (seen > 0) & (cv2.erode(seen, np.ones((3, 3), np.uint8)) == 0)
+        order = np.argsort(-local[:, 2], kind="stable")
+        _, first = np.unique(cell[order], return_index=True)
+        tops = local[order[first]]  # the highest point of each cell
+        tops = tops[rim.take(cell[order[first]])]
+        levels = np.arange(float(local[:, 2].min()), float(tops[:, 2].max()), cell_m)
+        place, level = true_entries(levels < tops[:, 2:])
+        body = np.column_stack([tops[place, :2], levels[level]])
+        hidden = self._view.hides(np.ascontiguousarray(body.T), SURELY_BEHIND_M)
+        return frame.to_world(body[hidden])
+
+    def place(self, toward: FloatArray, gripper: Gripper) -> Place | None:
+        """The object for a hand that comes against `toward` (3,), a unit vector.
+
+        Heights are over the deepest point of the object, and the support plane is an obstacle like any other. None if
+        the points lie on a line, or if there is no room for a palm over them.
+        """
+        box = box_across(toward, np.concatenate([self.cloud.points, self._body]), self.settings.main_plane.method)
+        if box is None:
+            return None
+        frame = replace(box.frame, origin=box.frame.origin - 0.5 * box.size[2] * toward)
+        local, obstacles = frame.to_local(self.cloud.points), frame.to_local(self.cloud.obstacles)
+        spacing_m = min(spacing(local[:, :2]), NEIGHBOURS_WITHIN * self.floor.spacing_m)
+        cell_m, palm_cell_m = max(MIN_CELL_M, spacing_m), max(PALM_CELL_M, spacing_m)
+
+        coarse = self._standing(local, frame, palm_cell_m).raised(obstacles).raised(local)
+        if not self._has_room(coarse, local, gripper):
+            return None
+        others = self._standing(local, frame, cell_m).raised(obstacles)
+        x, y, _ = frame.to_local(self._body).T
+        body = self._body[others.averaged(local).over(x, y) == UNSEEN]
+        points = np.concatenate([self.cloud.points, body])
+        local = np.concatenate([local, frame.to_local(body)])
+        highest = others.raised(local)
+        average = highest.averaged(local)
+        lowest_m = float(lowest_tip(top_of(local[:, 2]), self.settings.depth))
+        around = Aslant(
+            level_m=lowest_m,
+            lowest_m=lowest_m,
+            ground_m=-np.inf,
+            maps=HeightMaps(
+                surface=average,
+                average=average,
+                rest=others,
+                highest=highest,
+                coarse=coarse.raised(local),
+            ),
+            view=replace(self._view, asked=frame),
+            settings=self.settings,
+            height_m=self._height_m,
+        )
+        return Place(box=box, frame=frame, points=points, surroundings=around, spacing_m=spacing_m)
+
+    def _standing(self, local: FloatArray, frame: Frame, cell_m: float) -> HeightMap:
+        """The floor around points `local` (n, 3), seen along z of the `frame`."""
+        return HeightMap.around(local, cell_m, FINGERS_M).filled(self.floor.levels, frame, self.floor.frame)
+
+    def _has_room(self, coarse: HeightMap, local: FloatArray, gripper: Gripper) -> bool:
+        """Whether, over points `local` (n, 3), anything as wide as the palm is free where the palm is at the highest.
+
+        That is a bound that costs little: a hand holds an object no higher than at its top.
+        """
+        highest = float(local[:, 2].max()) + gripper.finger_length_m - self.settings.depth.palm_clearance_m
+        free = (coarse.heights <= highest).view(np.uint8)
+        room = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) * coarse.cell_m
+        (left, low), (right, high) = (
+            np.divmod(int(coarse.raster.cells(x, y)), coarse.raster.shape[1])
+            for x, y in (local[:, :2].min(axis=0), local[:, :2].max(axis=0))
+        )
+        over = room[left : right + 1, low : high + 1]
+        return bool(over.max() >= 0.5 * min(gripper.hand_width_m, gripper.palm_m))
