@@ -34,7 +34,7 @@ from flatgrasp_cli.profiles import Gripper, PlannerSettings
 from flatgrasp_cli.scene import segmentation
 from flatgrasp_cli.simulation.samples import electric_drill, hammer, juice_box, spray_bottle
 from flatgrasp_cli.simulation.solids import Solid, box, rod, turned
-from flatgrasp_cli.surroundings import OnSupport
+from flatgrasp_cli.surroundings import OnSupport, Tilted
 
 ROOT = Path(__file__).resolve().parent.parent
 PIXELS = 640 * 480
@@ -45,7 +45,7 @@ STAGES = {
     "read": (),
     "support plane": ((segmentation, "find_support_plane"),),
     "objects": ((segmentation, "find_clusters"), (segmentation, "objects_of")),
-    "surroundings": ((objects, "places"), (objects.Tilted, "place"), (objects, "from_the_side")),
+    "surroundings": ((objects, "places"), (Tilted, "place"), (objects, "from_the_side")),
     "silhouette": ((answers, "silhouette_of"),),
     "finger candidates": (
         (pipeline, "step_points"),
