@@ -18,7 +18,7 @@ ROWS = 5
 SHORT = ("object", "rank", "holds\n%", "width\nmm", "open\nmm", "position x y z\nm")
 WIDE = (*SHORT, "needs\nμ", "force balance\n°", "gravity\nmm", "approach x y z\n")
 JOINTS = "joints\n°"
-NEEDS = SHORT.index("needs\nμ")
+OPEN = SHORT.index("open\nmm")
 """The column that makes room for a seventh joint."""
 
 
@@ -38,7 +38,7 @@ def grasp_table(plan: Plan, *, wide: bool = False) -> Table:
     from rich.table import Table
 
     table = Table(box=SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 0 if plan.robot else 1, 0, 0))
-    left_out = {NEEDS} if plan.robot and plan.robot.count > SIX and not wide else set()
+    left_out = {OPEN} if plan.robot and plan.robot.count > SIX and not wide else set()
     for k, heading in enumerate((*(WIDE if wide else SHORT), *((JOINTS,) if plan.robot else ()))):
         if k not in left_out:
             table.add_column(heading, justify="right", no_wrap=True)

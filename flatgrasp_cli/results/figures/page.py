@@ -22,7 +22,7 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.results.figures.style import CORNER_IN, DPI, TITLE_IN, TITLE_PT, entitle
 
 WIDTH_IN = 10.0
-LEFT_IN, RIGHT_IN, TOP_IN, BOTTOM_IN = 0.78, 0.12, 0.36, 0.62
+LEFT_IN, RIGHT_IN, TOP_IN, BOTTOM_IN = 0.78, 0.2, 0.36, 0.62
 """Room around a panel for its title, ticks and labels."""
 SOLID_IN = 0.25
 """That left of a panel in space and below it: its ticks and labels are inside."""
