@@ -25,8 +25,8 @@ release = version = flatgrasp_cli.__version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 myst_enable_extensions = ["deflist"]
 myst_heading_anchors = 3
-exclude_patterns = ["held_rates.md"]
-"""A part of the page on the simulation, made by a benchmark."""
+exclude_patterns = ["held_rates.md", "calibration.md"]
+"""Parts of the pages on the simulation and the method, made by benchmarks."""
 default_role = "code"
 """Docstrings put code between single backticks."""
 
