@@ -69,7 +69,7 @@ class CausesPart(Part):
     too_heavy: Number
     """The share in which friction does not bear its weight."""
     turns: Number
-    """The share in which it turns about the pads, and one end stays on the table."""
+    """The share in which it turns about the pads, and is lost by that."""
 
 
 class SuccessPart(Part):
