@@ -11,7 +11,7 @@ import drawn
 import make_pictures
 import pytest
 
-MEASURED = {"frame_rate.png", "teddy_bear.trial.png", "view.png"}
+MEASURED = {"calibration.png", "frame_rate.png", "teddy_bear.trial.png", "view.png"}
 """Made by a benchmark, a simulation or a browser: they show how fast some machine was, where its physics ended, or its
 fonts."""
 NUMBER = re.compile(r"[−-]?\d+(?:\.\d+)?")
