@@ -7,18 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from flatgrasp_cli import load_gripper, load_settings, plan, read_clouds
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.geometry.frames import frame_on_plane
-from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.model import Cloud, ObjectCloud, Scene, Sensor, Source, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene import segment
-from flatgrasp_cli.scene.cells import SortedPoints, fitting_cell_m, smoothed
 from flatgrasp_cli.scene.support_plane import find_support_plane, looks_down
 from flatgrasp_cli.sensor import located
 from tests.conftest import FLOOR, MM, SAMPLES, TABLE, WALL, Box, Camera, Tube, planned_sample
@@ -344,35 +339,6 @@ class TestWanted:
 
     def test_all_keeps_all(self) -> None:
         assert len(scene_of(ABOVE.sees(TABLE, self.LEFT, self.RIGHT)).objects) == 2
-
-
-class TestCells:
-    def test_cells_add_up_what_falls_into_them(self) -> None:
-        points = np.array([[0.0, 0.0], [0.004, 0.004], [0.012, 0.0], [0.0, 0.025]])
-        raster = Raster.over(points.min(axis=0), points.max(axis=0), 0.01)
-        found = SortedPoints.of(raster, raster.cells(*points.T))
-        assert found.count[1:3, 1:4].sum() == found.count.sum() == 4  # two by three cells, and a rim
-        total = found.total(np.array([1.0, 3.0, 5.0, 7.0]))
-        assert (total[1, 1], total[2, 1], total[1, 3]) == (4.0, 5.0, 7.0)
-        assert total.sum() == 16.0
-
-    def test_cells_hold_a_few_points_each(self) -> None:
-        points = np.random.default_rng(0).uniform(0, 0.4, (40_000, 2))  # 25 points in a square centimetre
-        assert fitting_cell_m(*points.T) == pytest.approx(0.004, rel=0.05)
-
-    def test_means_are_weighted(self) -> None:
-        values, weights = np.array([[0.0, 2.0, 8.0, 0.0, 0.0]]), np.array([[0, 3, 1, 0, 0]])
-        assert smoothed(values, weights, 3)[0, 1:3] == pytest.approx([14 / 4, 14 / 4])
-        assert smoothed(values, weights, 3)[0, 4] == 0
-
-    @given(st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda v: np.linalg.norm(v) > 0.1))
-    @settings(max_examples=15)
-    def test_the_planes_frame_is_right_handed_with_its_normal_up(self, vector: tuple[float, float, float]) -> None:
-        normal = np.array(vector) / np.linalg.norm(vector)
-        frame = frame_on_plane(normal, 0.3)
-        assert frame.axes @ frame.axes.T == pytest.approx(np.eye(3), abs=1e-12)
-        assert np.cross(frame.axes[0], frame.axes[1]) == pytest.approx(normal, abs=1e-12)
-        assert frame.origin @ normal == pytest.approx(0.3)
 
 
 @pytest.mark.parametrize("mode", ["auto", "object", "table"])
