@@ -80,8 +80,16 @@ class Search:
         return best
 
     def better(self, one: Answer, other: Answer) -> Answer:
-        """The better one of two answers."""
+        """The better one of two answers; of two that hold as probably, the one nearer to the centre of gravity."""
+        if self._tie(one, other):
+            return min(one, other, key=_first_distance)
         return min(one, other, key=self._order)
+
+    def _tie(self, one: Answer, other: Answer) -> bool:
+        """Whether both best grasps hold as probably as the other."""
+        if one.grasps is None or other.grasps is None or self.settings.ranking.prefer != "success":
+            return False
+        return self.settings.method != "allen" and abs(float(one.grasps.merit[0] - other.grasps.merit[0])) <= TIE
 
     def _in(self, place: Place, shape: PlaneShape) -> Answer:
         """What the method finds in a place, in the order that the settings prefer."""
@@ -102,6 +110,11 @@ class Search:
         if self.settings.ranking.prefer == "cage":
             return (False, *_surest_first(answer.grasps, answer.certificates, 0), 0.0)
         return (False, False, -float(answer.grasps.merit[0]), float(answer.grasps.gravity_distance[0]), 0.0)
+
+
+def _first_distance(answer: Answer) -> float:
+    """The gravity distance of an answer's best grasp."""
+    return float(answer.grasps.gravity_distance[0]) if answer.grasps is not None else np.inf
 
 
 def _silhouette(place: Place, settings: PlannerSettings) -> Silhouette:
