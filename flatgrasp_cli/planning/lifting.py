@@ -82,7 +82,7 @@ def _order(final: Answer, count: int, settings: PlannerSettings) -> list[int]:
     if grasps is None or len(grasps.probability) == 0 or settings.ranking.prefer != "success":
         return list(range(count))
     listed = grasps.first(count)
-    return [int(k) for k in by_probability(listed.probability, listed)]
+    return [int(k) for k in by_probability(listed.probability, listed.gravity_distance)]
 
 
 def _success(grasps: GraspCandidates, k: int) -> Success | None:

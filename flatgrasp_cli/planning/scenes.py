@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import groupby
+
+import numpy as np
 
 from flatgrasp_cli.model import Cloud, CloudWarning, Grasp, ObjectPlan, Scene, SupportPlane
 from flatgrasp_cli.planning.lifting import plan_object
 from flatgrasp_cli.profiles import Gripper, PlannerSettings, Robot, load_settings
-from flatgrasp_cli.ranking import TIE
+from flatgrasp_cli.ranking import by_probability
 from flatgrasp_cli.scene import segment, without_far_strays, without_repeats
 from flatgrasp_cli.sensor import located
 
@@ -90,7 +94,7 @@ def plan(
     scene = replace(scene, warnings=(*scene.warnings, *_table_tilted(scene.support))) if robot else scene
     segmented = time.perf_counter()
     plans = _planned(scene, gripper, resolved, top, robot)
-    objects = tuple(sorted(plans, key=_best_first))
+    objects = tuple(_in_order(plans))
     scene_ms, plan_ms = 1e3 * (segmented - began), 1e3 * (time.perf_counter() - segmented)
     return Plan(
         cloud=cloud,
@@ -128,11 +132,20 @@ def _table_tilted(support: SupportPlane | None) -> tuple[CloudWarning, ...]:
     return (CloudWarning("table_tilted", text),)
 
 
-def _best_first(item: ObjectPlan) -> tuple[bool, bool, bool, int, int]:
+def _in_order(plans: list[ObjectPlan]) -> Iterator[ObjectPlan]:
     """The order of picking: that of the objects' best grasps, but later what others lie on, or what lies at an edge.
 
-    Grasps that are equally probable are those of larger objects first. Objects without a grasp come last.
+    Objects without a grasp come last, larger first.
     """
-    cloud, best = item.object, item.grasps[0] if item.grasps else None
-    sure = round(best.success.probability / TIE) if best is not None and best.success is not None else 0
-    return (best is None, cloud.cut_off or cloud.at_edge, bool(cloud.supports), -sure, -len(cloud.points))
+    for _, alike in groupby(sorted(plans, key=_how_late), key=_how_late):
+        items = sorted(alike, key=lambda item: -len(item.object.points))
+        best = [item.grasps[0] if item.grasps else None for item in items]
+        chances = [grasp.success.probability if grasp and grasp.success else 0.0 for grasp in best]
+        distances = [grasp.gravity_distance_m if grasp else 0.0 for grasp in best]
+        yield from (items[k] for k in by_probability(np.array(chances), np.array(distances)))
+
+
+def _how_late(item: ObjectPlan) -> tuple[bool, bool, bool]:
+    """What comes later whatever its grasps are like."""
+    cloud = item.object
+    return (not item.grasps, cloud.cut_off or cloud.at_edge, bool(cloud.supports))

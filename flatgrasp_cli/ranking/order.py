@@ -33,7 +33,7 @@ def best_first(grasps: GraspCandidates, situation: Situation) -> GraspCandidates
         grasps = grasps.having(merit=-grasps.gravity_distance)
         return grasps.select(np.lexsort((grasps.j, grasps.i, grasps.required_friction, grasps.gravity_distance)))
     grasps = grasps.having(merit=estimated(grasps, situation.gripper, settings))
-    order = by_probability(grasps.merit, grasps)
+    order = by_probability(grasps.merit, grasps.gravity_distance)
     apart = VarietySettings(apart_m=APART_M, apart_deg=APART_DEG)
     contenders = np.array(differing(grasps, order, apart, CONTENDERS), dtype=np.intp)
     rough = _by_trial(grasps.select(contenders), situation.briefly)
@@ -46,18 +46,19 @@ def best_first(grasps: GraspCandidates, situation: Situation) -> GraspCandidates
 def _by_trial(grasps: GraspCandidates, situation: Situation) -> GraspCandidates:
     """The grasps in the order of how often they hold in that situation."""
     tried = situation.tried(grasps)
-    return tried.having(merit=tried.probability).select(by_probability(tried.probability, tried))
+    order = by_probability(tried.probability, tried.gravity_distance)
+    return tried.having(merit=tried.probability).select(order)
 
 
-def by_probability(probability: FloatArray, grasps: GraspCandidates) -> IntArray:
+def by_probability(probability: FloatArray, gravity_distance: FloatArray) -> IntArray:
     """The order (p,) of grasps: the most probable first, those within `TIE` of it by gravity distance, and so on."""
-    order = np.lexsort((grasps.j, grasps.i, grasps.gravity_distance, -probability))
+    order = np.lexsort((gravity_distance, -probability))
     ranked, values = list[int](), probability[order]
     while len(ranked) < len(order):
         begin = len(ranked)
         end = begin + int(np.count_nonzero(values[begin:] >= values[begin] - TIE))
         equal = order[begin:end]
-        ranked += equal[np.argsort(grasps.gravity_distance[equal], kind="stable")].tolist()
+        ranked += equal[np.argsort(gravity_distance[equal], kind="stable")].tolist()
     return np.array(ranked, dtype=np.intp)
 
 

@@ -20,8 +20,7 @@ SCENE = Camera().sees(TABLE, Box((0.0, 0.0, 0.02), (0.12, 0.04, 0.04)))
 
 def order(probabilities: list[float], distances_mm: list[float]) -> list[int]:
     """The order of grasps that so probably hold, and are so far from the centre of gravity."""
-    _, grasps = across([0.04] * len(probabilities), gravity_distance=np.multiply(distances_mm, MM))
-    return [int(k) for k in by_probability(np.array(probabilities), grasps)]
+    return [int(k) for k in by_probability(np.array(probabilities), np.multiply(distances_mm, MM))]
 
 
 def test_the_most_probable_one_is_first() -> None:
