@@ -185,3 +185,16 @@ def test_inside_a_basin_closing_ends_in_the_grasp() -> None:
 def test_of_an_object_alone_nothing_is_known_of_walls_and_heights() -> None:
     alone = grasp(40, 60, grip=np.nan)
     assert chance(situation(BAR, unsure("outline_m=0.01")), alone) == 1.0
+
+
+def test_a_fingertip_on_the_object_is_pushed_aside_one_time_in_two() -> None:
+    """The hand stands 15 mm beside where it should, 2.5 mm too far."""
+    beside = grasp(40, 60)
+    beside = beside.having(middle=beside.middle + np.array([0.0, 15 * MM]))
+    assert chance(situation(BAR, unsure()), beside) == pytest.approx(0.5)
+
+
+def test_what_turns_about_the_pads_is_held_nine_times_in_ten() -> None:
+    """A bar of 40 cm and some 300 g, gripped 15 cm beside its middle."""
+    found = chance(situation(LONG, unsure("density_kg_m3=[640,641]")), moved_along_x(grasp(40, 60), 150.0))
+    assert found == pytest.approx(0.9)
