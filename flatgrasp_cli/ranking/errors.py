@@ -15,6 +15,8 @@ NORMAL, UNIFORM = 7, 2
 """How many of a sample's numbers are normally, and how many are evenly distributed."""
 
 PRIMES = np.array([2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0])
+NO_SPREAD = 1e-9
+"""Stands for a spread of 0: what is needed is there or not."""
 LEAST = 1e-9
 """How near to a face of the cube points come: there the normal distribution ends."""
 
@@ -43,10 +45,12 @@ class Errors:
         return len(self.yaw)
 
 
+@lru_cache(maxsize=4)
 def errors_of(unsure: Uncertainty, seed: int) -> Errors:
     """The samples of the stated errors: the same for the same settings and seed, on any machine."""
     even = _sequence(unsure.samples, NORMAL + UNIFORM, seed)
-    normal = _normal(unsure.samples, seed)
+    inverse = NormalDist().inv_cdf
+    normal = np.array([[inverse(value) for value in row] for row in even[:, :NORMAL].tolist()])
     low, high = unsure.density_kg_m3
     return Errors(
         across=unsure.position_m * normal[:, 0],
@@ -60,15 +64,12 @@ def errors_of(unsure: Uncertainty, seed: int) -> Errors:
     )
 
 
-@lru_cache(maxsize=4)
-def _normal(count: int, seed: int) -> FloatArray:
-    """The first `NORMAL` columns of the sequence, made normally distributed."""
-    even = _sequence(count, NORMAL + UNIFORM, seed)[:, :NORMAL]
-    inverse = NormalDist().inv_cdf
-    return np.array([[inverse(value) for value in row] for row in even.tolist()])
+def friction_suffices(need: FloatArray, friction: float, unsure: Uncertainty) -> FloatArray:
+    """How probable it is (…) that pads have the friction that grasps `need` (…), if about `friction` is counted on."""
+    spread = unsure.friction_share
+    return np.asarray(((1 + spread - need / friction) / max(2 * spread, NO_SPREAD)).clip(0.0, 1.0))
 
 
-@lru_cache(maxsize=4)
 def _sequence(count: int, dimensions: int, seed: int) -> FloatArray:
     """Points (count, dimensions) spread evenly in the unit cube, strictly inside it.
 

@@ -10,6 +10,8 @@ from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.model import GraspCandidates
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings, VarietySettings
+from flatgrasp_cli.ranking.closing import RIM_SHARE
+from flatgrasp_cli.ranking.errors import NO_SPREAD, friction_suffices
 from flatgrasp_cli.ranking.success import Situation
 from flatgrasp_cli.ranking.variety import differing
 
@@ -22,8 +24,6 @@ FINALISTS = 16
 """And those that are tried with all samples: more than are listed."""
 ROOM_STEP_M, ROOM_STEPS = 0.001, 41
 """Steps of the table of how probable it is that the hand misses by less: 4 cm are more than it ever does."""
-LEAST_SPREAD = 1e-9
-"""Stands for a spread of 0."""
 
 
 def best_first(grasps: GraspCandidates, situation: Situation) -> GraspCandidates:
@@ -65,21 +65,15 @@ def by_probability(probability: FloatArray, gravity_distance: FloatArray) -> Int
 def estimated(grasps: GraspCandidates, gripper: Gripper, settings: PlannerSettings) -> FloatArray:
     """About how probable it is that p grasps hold (p,), without trying them: which of them are worth a trial.
 
-    The hand misses along its closing axis alone, the walls lean as far as they probably do, and the object is as heavy
-    as it probably is.
+    The hand misses along its closing axis alone, and the walls lean as far as they probably do; weight is left out.
     """
     unsure, friction = settings.uncertainty.figures, settings.balance.friction_with(gripper)
-    room = grasps.margin + 0.25 * gripper.finger_thickness_m
-    normal = NormalDist(0.0, max(unsure.position_m, LEAST_SPREAD))
+    room = grasps.margin + RIM_SHARE * gripper.finger_thickness_m
+    normal = NormalDist(0.0, max(unsure.position_m, NO_SPREAD))
     places = np.array([normal.cdf(k * ROOM_STEP_M) for k in range(ROOM_STEPS)])
     beside = 2 * np.interp(room, ROOM_STEP_M * np.arange(ROOM_STEPS), places) - 1
     half = 0.5 * np.nan_to_num(grasps.grip, nan=np.inf)
     need = np.hypot(np.tan(0.5 * np.radians(grasps.force_balance_deg)), grasps.lean + unsure.outline_m / half)
-    rubs = _above(need / friction, 1 - unsure.friction_share, 1 + unsure.friction_share)
+    rubs = friction_suffices(need, friction, unsure)
     dark = 1 - unsure.occupied_share * np.minimum(np.nan_to_num(grasps.unseen) / gripper.finger_thickness_m, 1.0)
     return np.asarray(beside * rubs * dark)
-
-
-def _above(values: FloatArray, low: float, high: float) -> FloatArray:
-    """How probable it is that an evenly distributed number from `low` to `high` is above `values` (p,)."""
-    return np.clip((high - values) / max(high - low, LEAST_SPREAD), 0.0, 1.0)

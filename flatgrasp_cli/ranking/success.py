@@ -18,8 +18,9 @@ from flatgrasp_cli.model import GraspCandidates, OpenHands, PlaneShape, Toleranc
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.ranking.closing import closed, moved
-from flatgrasp_cli.ranking.errors import Errors, errors_of
+from flatgrasp_cli.ranking.errors import Errors, errors_of, friction_suffices
 from flatgrasp_cli.ranking.lifting import Load, friction_to_lift
+from flatgrasp_cli.surroundings.descent import LEAST_HELD_M
 from flatgrasp_cli.surroundings.interface import Surroundings
 
 CLEAR, CLOSES, LIFTS = ("lands_on_object", "stopped_short"), ("closes_beside", "slips"), ("too_heavy", "turns")
@@ -31,10 +32,6 @@ what is free to move. In simulation 18 of 29 were."""
 TURNED_HELD = 0.9
 """How often an object is held that turns about the pads: as a rule it turns until it hangs, and stays between them. Of
 tries in simulation that came to that, about 30, two or three were lost."""
-NO_SPREAD = 1e-9
-"""Stands for a spread of 0: what is needed is there or not."""
-LEAST_HELD_M = 0.001
-"""Pads that hold less height than this, metres, hold nothing: a height map's noise."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -110,8 +107,7 @@ class Situation:
     def _rubs(self, need: FloatArray) -> FloatArray:
         """How probable it is that the pads' friction is more than `need` (…)."""
         usual = self.settings.balance.friction_with(self.gripper)
-        spread = self.settings.uncertainty.figures.friction_share
-        return np.asarray(((1 + spread - need / usual) / max(2 * spread, NO_SPREAD)).clip(0.0, 1.0))
+        return friction_suffices(need, usual, self.settings.uncertainty.figures)
 
     def _grip_m(self, grasps: GraspCandidates) -> FloatArray:
         """How much of the object's height the pads of k hands cover (k,), metres; of an object alone all they can."""
