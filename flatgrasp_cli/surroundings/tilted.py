@@ -22,6 +22,7 @@ from flatgrasp_cli.model import Floor, ObjectCloud
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.surroundings.aslant import SURELY_BEHIND_M, Aslant
+from flatgrasp_cli.surroundings.envelope import Envelope
 from flatgrasp_cli.surroundings.maps import HeightMaps
 from flatgrasp_cli.surroundings.places import (
     FINGERS_M,
@@ -107,20 +108,20 @@ class Tilted:
         points = np.concatenate([self.cloud.points, body])
         local = np.concatenate([local, frame.to_local(body)])
         highest = others.raised(local)
-        average = highest.averaged(local)
+        view = replace(self._view, asked=frame)
         lowest_m = float(lowest_tip(top_of(local[:, 2]), self.settings.depth))
         around = Aslant(
             level_m=lowest_m,
             lowest_m=lowest_m,
             ground_m=-np.inf,
             maps=HeightMaps(
-                surface=average,
-                average=average,
+                surface=highest.averaged(local),
                 rest=others,
                 highest=highest,
                 coarse=coarse.raised(local),
             ),
-            view=replace(self._view, asked=frame),
+            envelope=Envelope.of(highest, view, top_of(local[:, 2])),
+            view=view,
             settings=self.settings,
             height_m=self._height_m,
         )
