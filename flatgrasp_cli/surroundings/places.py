@@ -27,9 +27,6 @@ from flatgrasp_cli.surroundings.on_support import OnSupport
 from flatgrasp_cli.surroundings.slices import Slice, slices, top_of
 from flatgrasp_cli.surroundings.view import View
 
-PALM_CELL_M = 0.0025
-"""Least side of the cells of the palm's height map, metres: a wall seems thicker by up to two of them, and next to a
-wall half a centimetre of room is what there is."""
 PIXEL_CELLS = 1.5
 """Side of the range image's pixels, in cells of the height maps: then hardly a pixel is empty where there is a surface,
 and space half a finger's width beside an edge is still told from the space behind it."""
@@ -109,7 +106,7 @@ def _slices(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, setting
     if cloud.floor is not None:
         others = others.filled(cloud.floor.levels, frame, cloud.floor.frame)
     highest = others.raised(local)
-    coarse = HeightMap.of(np.concatenate([local, obstacles]), max(PALM_CELL_M, cell_m))
+    coarse = HeightMap.of(np.concatenate([local, obstacles]), cell_m)
     view = _view(cloud, frame, cell_m)
     lowest, *upper = slices(local, cell_m, settings.depth)
     around = OnSupport(
@@ -160,7 +157,7 @@ def from_the_side(cloud: ObjectCloud, box: OrientedBox, settings: PlannerSetting
             surface=highest.averaged(local),
             rest=HeightMap.of(others, cell_m),
             highest=highest,
-            coarse=HeightMap.of(np.concatenate([local, others]), max(PALM_CELL_M, cell_m)),
+            coarse=HeightMap.of(np.concatenate([local, others]), cell_m),
         ),
         envelope=Envelope.of(highest, view, top_of(local[:, 2])),
         view=view,

@@ -28,7 +28,6 @@ from flatgrasp_cli.surroundings.places import (
     FINGERS_M,
     MIN_CELL_M,
     NEIGHBOURS_WITHIN,
-    PALM_CELL_M,
     PIXEL_CELLS,
     Place,
     box_across,
@@ -97,9 +96,9 @@ class Tilted:
         frame = replace(box.frame, origin=box.frame.origin - 0.5 * box.size[2] * toward)
         local, obstacles = frame.to_local(self.cloud.points), frame.to_local(self.cloud.obstacles)
         spacing_m = min(spacing(local[:, :2]), NEIGHBOURS_WITHIN * self.floor.spacing_m)
-        cell_m, palm_cell_m = max(MIN_CELL_M, spacing_m), max(PALM_CELL_M, spacing_m)
+        cell_m = max(MIN_CELL_M, spacing_m)
 
-        coarse = self._standing(local, frame, palm_cell_m).raised(obstacles).raised(local)
+        coarse = self._standing(local, frame, cell_m).raised(obstacles).raised(local)
         if not self._has_room(coarse, local, gripper):
             return None
         others = self._standing(local, frame, cell_m).raised(obstacles)

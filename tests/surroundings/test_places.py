@@ -125,9 +125,6 @@ class TestMaps:
         for chart in (around(place).maps.rest, around(place).maps.highest):
             assert chart.over(*local[:, :2].T).tolist() == pytest.approx([0.05, 0.0])
 
-    def test_the_palms_cells_are_2_5_mm(self) -> None:
-        assert around(whole_of(on_table(BAR))).maps.coarse.cell_m == pytest.approx(2.5 * MM)
-
     def test_behind_an_object_is_hidden_and_beside_it_is_not(self) -> None:
         """Pixels are small enough to tell the space 6 mm beside an edge, and large enough to have no gaps.
 

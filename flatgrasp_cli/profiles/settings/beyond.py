@@ -19,7 +19,7 @@ class DepthSettings(Profile):
     low_object_share: Share
     """Fingertips go down to this share of a low object's height."""
     palm_clearance_m: Length
-    """Free space between the palm and whatever is highest below it, metres."""
+    """Free space between the palm and whatever is highest below it, metres; null: as over the table."""
     obstacle_clearance_m: Length
     """Free space between fingertips and what lies below them, metres."""
     min_grip_m: Size
@@ -85,10 +85,13 @@ class CagingSettings(Profile):
     closing: Literal["inward", "outward"]
     """Whether the fingers close on the object or open in a notch or a hole of it."""
     tolerance_m: Length
-    """How far the outline may be simplified, metres; more if it has more than `max_vertices` then."""
+    """How far the outline may be simplified, metres, null: `uncertainty.outline_m`; more if it has more
+    than `max_vertices` then."""
     max_vertices: Annotated[int, Field(ge=8, le=1000)]
     """Largest number of the outline's vertices: time grows with their square."""
     noise_m: Length
-    """By how much the outline may be wrong in the guaranteed limits, metres."""
+    """By how much the outline may be wrong in the guaranteed limits, metres; null: 1.5 times as much as
+    `uncertainty.outline_m`."""
     told_apart_m: Length
-    """Grasps less deep than this, metres, from their width to the opening that leads to the next one, count as one."""
+    """Grasps less deep than this, metres, from their width to the opening that leads to the next one, count as one;
+    null: twice `noise_m`."""
