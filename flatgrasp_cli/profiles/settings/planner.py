@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from flatgrasp_cli.profiles.base import Profile
 from flatgrasp_cli.profiles.gripper import Gripper
@@ -26,18 +26,7 @@ from flatgrasp_cli.profiles.settings.method import (
     SilhouetteSettings,
 )
 from flatgrasp_cli.profiles.settings.scene import SceneSettings
-from flatgrasp_cli.profiles.uncertainty import Uncertainty, UncertaintySettings
-
-OF_OUTLINE = (
-    ("silhouette", "tolerance_m", 0.5),
-    ("fingers", "delta_m", 2.0),
-    ("hand", "clearance_m", 2.0),
-    ("hand", "contact_tolerance_m", 2.0),
-    ("caging", "tolerance_m", 1.0),
-    ("caging", "noise_m", 1.5),
-)
-"""Lengths that follow from how well the outline is known, where they are null, in standard deviations of it: one is in
-the noise, and beyond two hardly anything is."""
+from flatgrasp_cli.profiles.uncertainty import UncertaintySettings
 
 
 class PlannerSettings(Profile):
@@ -78,21 +67,6 @@ class PlannerSettings(Profile):
     caging: CagingSettings
     """Beyond the paper: proofs."""
 
-    @model_validator(mode="before")
-    @classmethod
-    def _derived(cls, data: Any) -> Any:
-        """The profile's own text with a number for each length that is null and follows from others."""
-        sections = ("depth", "uncertainty", *(section for section, _, _ in OF_OUTLINE))
-        if not isinstance(data, dict) or not all(isinstance(data.get(section), dict) for section in sections):
-            return data  # which validation has more to say of
-        data = {key: dict(value) if isinstance(value, dict) else value for key, value in data.items()}
-        outline_m = _number(data["uncertainty"].get("outline_m"), Uncertainty().outline_m)
-        for section, key, ratio in OF_OUTLINE:
-            _fill(data[section], key, ratio * outline_m)
-        _fill(data["caging"], "told_apart_m", 2 * _number(data["caging"].get("noise_m"), outline_m))
-        _fill(data["depth"], "palm_clearance_m", _number(data["depth"].get("table_clearance_m"), outline_m))
-        return data
-
     def resolve(self, gripper: Gripper, robot: Robot | None = None) -> PlannerSettings:
         """The same with every None that gripper or robot decides replaced; those that the object decides stay None."""
         balance = self.balance
@@ -109,14 +83,3 @@ class PlannerSettings(Profile):
         resolved = {"friction": friction, "force_balance_max_deg": min(gamma, 180.0), "torque_max": torque_max}
         uncertainty = self.uncertainty.resolved(gripper.uncertainty, robot.uncertainty if robot else None)
         return self.model_copy(update={"balance": balance.model_copy(update=resolved), "uncertainty": uncertainty})
-
-
-def _number(value: Any, otherwise: float) -> float:
-    """A value that may be anything, if it is a number: what is none is reported where it stands."""
-    return float(value) if isinstance(value, int | float) else otherwise
-
-
-def _fill(section: dict[str, Any], key: str, value: float) -> None:
-    """Give a key of a section a value, if it is there and null."""
-    if key in section and section[key] is None:
-        section[key] = value
