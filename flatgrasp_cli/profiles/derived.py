@@ -8,7 +8,6 @@ from flatgrasp_cli.profiles.uncertainty import Uncertainty
 
 OF_OUTLINE = (
     ("silhouette", "tolerance_m", 0.5),
-    ("fingers", "delta_m", 2.0),
     ("hand", "clearance_m", 2.0),
     ("hand", "contact_tolerance_m", 2.0),
     ("caging", "tolerance_m", 1.0),

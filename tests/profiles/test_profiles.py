@@ -215,7 +215,7 @@ class TestDerivedLengths:
 
     def test_they_are_those_of_an_xtion(self) -> None:
         settings = load_settings()
-        assert settings.hand.clearance_m == settings.hand.contact_tolerance_m == settings.fingers.delta_m == 0.002
+        assert settings.hand.clearance_m == settings.hand.contact_tolerance_m == 0.002
         assert (settings.silhouette.tolerance_m, settings.caging.tolerance_m) == (0.0005, 0.001)
         assert (settings.caging.noise_m, settings.caging.told_apart_m) == (0.0015, 0.003)
         assert settings.depth.palm_clearance_m == settings.depth.table_clearance_m

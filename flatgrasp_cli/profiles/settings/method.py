@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from flatgrasp_cli.profiles.base import Angle, Length, Profile, Share, Size, Step
+from flatgrasp_cli.profiles.base import Angle, Derived, Length, Profile, Share, Size, Step
 from flatgrasp_cli.profiles.gripper import Gripper
 
 Friction = Annotated[float, Field(ge=0.01, le=5)]
@@ -26,7 +26,7 @@ class SilhouetteSettings(Profile):
     """Radius α of the hull's empty discs, metres; None: from the points' spacing."""
     min_coverage: Annotated[float, Field(ge=0.01, le=1)]
     """α grows until the largest piece holds this share of the points."""
-    tolerance_m: Length
+    tolerance_m: Derived
     """How far the outline may be simplified (Douglas–Peucker), metres; null: half of `uncertainty.outline_m`."""
     min_hole_m: Length
     """Holes whose area is less than that of a disc of this diameter, metres, are taken for missing pixels and filled.
@@ -54,7 +54,7 @@ class FingerSettings(Profile):
     direction: Literal["signed_area", "random_rays"]
     """Inward side by the loop's orientation, checked for each candidate; or by the paper's rays and cross products."""
     delta_m: Step
-    """The paper's δ, step of the search for a point inside, metres; null: twice `uncertainty.outline_m`."""
+    """The paper's δ, step of the search for a point inside, metres."""
     rays: Annotated[int, Field(ge=1, le=10_000)]
     """With `random_rays`: the number of rays that vote on whether a point lies inside."""
     variance: Literal["mean", "rms", "max", "sum"]
@@ -92,7 +92,7 @@ class HandSettings(Profile):
     """The hand closes along the two directions' bisector (pads lie flush) or along the line of contacts."""
     width: Literal["extent", "midpoints"]
     """The object's width: its extent under the pads, or the distance of the contacts."""
-    clearance_m: Length
+    clearance_m: Derived
     """Least free space between each pad and the object before closing, metres; null: twice `uncertainty.outline_m`."""
     preshape_m: Size
     """Free space aimed at between each pad and the object, where there is room, metres."""
@@ -102,7 +102,7 @@ class HandSettings(Profile):
     """Largest variance, as a share of the candidate's width, where `variance_max` is None."""
     operability: Literal["swept", "eq2"]
     """Exact swept rectangles of fingers and palm, or the paper's eq. (2) on the hull's points."""
-    contact_tolerance_m: Length
+    contact_tolerance_m: Derived
     """Boundary this far beyond the contact, metres, still counts as the contact; null: twice
     `uncertainty.outline_m`."""
 
