@@ -15,8 +15,8 @@ from flatgrasp_cli.ranking.variety import differing
 TIE = 0.01
 """Probabilities that differ by less are equal: samples tell them apart no better."""
 CONTENDERS = 48
-"""Grasps of an object that are tried at all: the best by the estimate of those that lie farther apart, or are turned
-more, than the hand usually misses by."""
+"""Grasps of an object that are tried at all: the best by the estimate of those that lie farther apart than the hand
+usually misses by, or are turned by more than it seldom exceeds, two standard deviations."""
 FINALISTS = 16
 """And those that are tried with all samples: more than are listed."""
 
@@ -30,7 +30,7 @@ def best_first(grasps: GraspCandidates, situation: Situation) -> GraspCandidates
     grasps = grasps.having(merit=estimated(grasps, situation))
     order = by_probability(grasps.merit, grasps.gravity_distance)
     unsure = settings.uncertainty.figures
-    apart = VarietySettings(apart_m=unsure.position_m, apart_deg=unsure.yaw_deg)
+    apart = VarietySettings(apart_m=unsure.position_m, apart_deg=min(2 * unsure.yaw_deg, 90.0))
     contenders = np.array(differing(grasps, order, apart, CONTENDERS), dtype=np.intp)
     rough = _by_trial(grasps.select(contenders), situation.briefly)
     sure = _by_trial(rough.first(FINALISTS), situation)
