@@ -24,6 +24,7 @@ WORDS = {
     "variance": "no sides that are even enough",
     "operability": "no room for the fingers",
     "depth": "the fingers do not get deep enough",
+    "seen": "sides that were not seen",
     "palm": "the palm would collide",
     "cage": "no grasp is a cage",
     "reach": "out of the robot's reach",

@@ -15,7 +15,7 @@ from flatgrasp_cli.model.clouds import (
     Sensor,
     Source,
 )
-from flatgrasp_cli.model.grasps import Cage, Closure, Grasp, Reach, Success, Tolerance
+from flatgrasp_cli.model.grasps import Approach, Cage, Closure, Grasp, Reach, Success, Tolerance
 from flatgrasp_cli.model.plans import ObjectPlan, Rejection, Stage, Trace
 from flatgrasp_cli.model.poses import Pose, Poses, Way
 from flatgrasp_cli.model.scenes import Floor, ObjectCloud, Scene, SupportPlane
@@ -25,6 +25,7 @@ __all__ = [
     "SENSOR_FROM_TF",
     "UNNAMED_FRAME",
     "UP_UNTOLD",
+    "Approach",
     "Cage",
     "Closure",
     "Cloud",

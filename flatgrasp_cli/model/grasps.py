@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-
-import numpy as np
+from typing import Literal
 
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model.poses import Pose, Poses, Way
@@ -106,6 +105,19 @@ class Success:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Approach:
+    """Which way a hand comes: along the unit vector `direction` (3,), `tilt_deg` from straight down.
+
+    `known_from` says what the direction follows from: straight down on the support plane (`top`), the normal of the
+    object's own box (`main_plane`), the sensor's view, a tilt, or that it was given. The tilt of an object alone is 0.
+    """
+
+    direction: FloatArray
+    tilt_deg: float
+    known_from: Literal["top", "main_plane", "view", "tilt", "given"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Grasp:
     """One grasp, best first by `rank` from 1.
 
@@ -130,6 +142,7 @@ class Grasp:
     gravity_distance_m: float
     inside_share: float
     arc_ratio: float
+    approach: Approach
     way: Way = field(repr=False)
     tip_height_m: float | None = None
     grip_m: float | None = None
@@ -152,9 +165,7 @@ class Grasp:
     @property
     def tilt_deg(self) -> float:
         """How far from straight down on the support plane the hand comes, degrees; 0 for an object alone."""
-        back, up = (np.subtract(pose.position, self.position) for pose in (self.pre_grasp, self.lift))
-        lengths = np.linalg.norm(back) * np.linalg.norm(up)
-        return float(np.degrees(np.arccos(np.clip(back @ up / lengths, -1.0, 1.0)))) if lengths > 0 else 0.0
+        return self.approach.tilt_deg
 
     @property
     def flange(self) -> Poses:

@@ -57,7 +57,8 @@ class ObjectPlan:
 
     `refused` are the best of the grasps that a robot cannot carry out. `shape` is what the method ran on, None if the
     object spans no plane or has no silhouette; `box` is known without a silhouette, too. `level_m` is the height over
-    the support plane above which the silhouette was taken.
+    the support plane above which the silhouette was taken. `why_not_top` says why the hand comes from elsewhere than
+    from straight above.
     """
 
     object: ObjectCloud
@@ -68,6 +69,7 @@ class ObjectPlan:
     box: OrientedBox | None = None
     shape: PlaneShape | None = None
     level_m: float | None = None
+    why_not_top: str | None = None
     trace: Trace = field(default_factory=Trace)
 
     @property

@@ -10,6 +10,7 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion, quaternion_from_axes
 from flatgrasp_cli.geometry.polygon import left_normal
 from flatgrasp_cli.model import (
+    Approach,
     Grasp,
     GraspCandidates,
     ObjectCloud,
@@ -22,12 +23,13 @@ from flatgrasp_cli.model import (
     SupportPlane,
 )
 from flatgrasp_cli.planner.silhouette import without_strays
-from flatgrasp_cli.planning.answers import Answer, assessed, proved
+from flatgrasp_cli.planning.answers import Answer, Search, assessed, proved
 from flatgrasp_cli.planning.objects import answer_for
 from flatgrasp_cli.profiles import Gripper, PlannerSettings, Robot
 from flatgrasp_cli.proof import Certificates
 from flatgrasp_cli.ranking import CAUSES, by_probability, differing
 from flatgrasp_cli.robot import Motion, Plane, flange_at, reach, way_to
+from flatgrasp_cli.surroundings import tilt_deg
 
 REACH_CANDIDATES = 500
 """The best grasps of an object that a robot is asked about: a third of a second."""
@@ -42,7 +44,7 @@ def plan_object(
     """
     if cloud.support is None:
         cloud = replace(cloud, points=without_strays(cloud.points, settings.silhouette))
-    answer = answer_for(cloud, gripper, settings)
+    answer = answer_for(cloud, _search(cloud, gripper, settings, robot))
     item = ObjectPlan(
         object=cloud,
         funnel=answer.funnel,
@@ -52,21 +54,20 @@ def plan_object(
         shape=answer.shape,
         level_m=answer.level_m,
         trace=answer.trace,
+        why_not_top=answer.why_not_top,
     )
     if answer.grasps is None or answer.shape is None:
         return item
     plane = answer.shape.silhouette.frame
-    motion = _motion(cloud, plane, gripper, settings)
-    rows, reaches = range(len(answer.grasps)), None
-    if robot is not None:
-        rows = rows[:REACH_CANDIDATES]
-        reaches = _reaches(answer.grasps.select(np.array(rows)), plane, gripper, motion, robot, cloud.support)
+    rows, reaches = range(len(answer.grasps)), answer.reaches
+    if robot is not None and reaches is not None:
+        rows = rows[: len(reaches)]
         item = _with_reach(item, robot, reaches)
     listed = differing(answer.grasps, (k for k in rows if not reaches or reaches[k].ok), settings.variety, top)
     refused = differing(answer.grasps, (k for k in rows if reaches and not reaches[k].ok), settings.variety, top)
     chosen = [*listed, *refused]
     final = assessed(proved(answer.of(chosen), gripper, settings), gripper, settings)
-    found = _lifted(final, plane, gripper, motion)
+    found = _lifted(final, plane, gripper, _motion(cloud, plane, gripper, settings), cloud.support)
     order = [*_order(final, len(listed), settings), *range(len(listed), len(chosen))]
     ranks = [*range(1, len(listed) + 1), *(k + 1 for k in refused)]
     grasps = [
@@ -74,6 +75,18 @@ def plan_object(
         for n, rank in zip(order, ranks, strict=True)
     ]
     return replace(item, grasps=tuple(grasps[: len(listed)]), refused=tuple(grasps[len(listed) :]))
+
+
+def _search(cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings, robot: Robot | None) -> Search:
+    """What looks for grasps, those first that a robot reaches, if there is one."""
+
+    def reaches(answer: Answer) -> tuple[Reach, ...]:
+        assert answer.grasps is not None and answer.shape is not None  # noqa: S101, PT018 (asked only where there are)
+        plane, first = answer.shape.silhouette.frame, answer.grasps.first(REACH_CANDIDATES)
+        motion = _motion(cloud, plane, gripper, settings)
+        return _reaches(first, plane, gripper, motion, robot, cloud.support) if robot else ()
+
+    return Search(gripper, settings, reaches if robot else None)
 
 
 def _order(final: Answer, count: int, settings: PlannerSettings) -> list[int]:
@@ -104,6 +117,7 @@ class _Lifted:
     contacts: FloatArray
     gripper: Gripper
     motion: Motion
+    approach: Approach
 
     def record(self, k: int, *, rank: int, reached: Reach | None = None) -> Grasp:
         """The grasp in row `k`."""
@@ -125,6 +139,7 @@ class _Lifted:
             gravity_distance_m=float(grasps.gravity_distance[k]),
             inside_share=float(grasps.inside_share[k]),
             arc_ratio=float(grasps.arc_ratio[k]),
+            approach=self.approach,
             way=way_to(self.tips[k], width, self.gripper, self.motion, twin=twin),
             tip_height_m=float(grasps.tip[k]) if over_support else None,
             grip_m=float(grasps.grip[k]) if over_support else None,
@@ -136,7 +151,7 @@ class _Lifted:
         )
 
 
-def _lifted(answer: Answer, plane: Frame, gripper: Gripper, motion: Motion) -> _Lifted:
+def _lifted(answer: Answer, plane: Frame, gripper: Gripper, motion: Motion, support: SupportPlane | None) -> _Lifted:
     """The grasps of an answer, which lie in the x-y plane of a frame, in space."""
     grasps = answer.grasps
     assert grasps is not None  # noqa: S101 (an object without grasps is not lifted)
@@ -148,6 +163,11 @@ def _lifted(answer: Answer, plane: Frame, gripper: Gripper, motion: Motion) -> _
         contacts=plane.to_world(np.concatenate([grasps.contacts, heights], axis=2)),
         gripper=gripper,
         motion=motion,
+        approach=Approach(
+            direction=-plane.axes[2],
+            tilt_deg=0.0 if support is None else tilt_deg(plane.axes[2], support.normal),
+            known_from=answer.direction.known_from if answer.direction else "top" if support else "main_plane",
+        ),
     )
 
 

@@ -1,7 +1,8 @@
-"""One object → its grasps in the plane: the method on each place that it can be grasped in, and the best answer."""
+"""One object → its grasps in the plane: the method from each direction that hands may come from, and which is best."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import reduce
 
 import numpy as np
@@ -10,70 +11,89 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import ObjectCloud, OrientedBox, Rejection, Stage, Trace
 from flatgrasp_cli.planner.main_plane import oriented_box
 from flatgrasp_cli.planning.answers import Answer, Search
-from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
-from flatgrasp_cli.surroundings import Place, Tilted, box_on, from_the_side, hanging_m, places, ways
+from flatgrasp_cli.surroundings import (
+    Direction,
+    Tilted,
+    asked_of,
+    box_across,
+    box_on,
+    hanging_m,
+    places,
+    rings,
+    tilt_deg,
+)
 
 
-def answer_for(cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings) -> Answer:
-    """The best grasps of one object in the plane, with `settings` as `PlannerSettings.resolve` returns them.
-
-    They have certificates where these decide which is best.
+def answer_for(cloud: ObjectCloud, search: Search) -> Answer:
+    """The best grasps of one object in the plane; they have certificates where these decide which is best.
 
     An object alone is planned as in the paper. Over a support plane the method runs on each of the object's slices, and
-    the grasps are those of the slice with the best one. What a hand that comes straight down cannot grasp, or only with
-    its palm close to something, is planned for hands that come aslant, and a standing object at last in the main plane
-    of its own bounding box.
+    the grasps are those of the slice with the best one; where straight down is not enough, from other directions, too.
     """
-    if cloud.support is None:
-        box = oriented_box(cloud.points, cloud.toward, settings.main_plane.method)
-    else:
-        box = box_on(cloud.support, cloud.points, settings.main_plane.method)
+    box = _box(cloud, search.settings)
     if box is None:
-        return _nothing("main_plane", _no_plane(cloud.points, settings.scene.crop is not None))
-    whole, *slices = places(cloud, box, settings)
+        return _nothing("main_plane", _no_plane(cloud.points, search.settings.scene.crop is not None))
+    whole, *slices = places(cloud, box, search.settings)
     if hanging := hanging_m(whole):
         reason = f"it hangs {1e3 * hanging:.0f} mm up in the air: only free space was seen below it"
         return _nothing("support", reason)
-    search = Search(gripper, settings)
-    best = _aslant(search, cloud, box, search.whole(whole, slices))
-    if cloud.support is not None and best.grasps is None and (side := _standing(cloud, box.size, settings)):
-        best = search.better(best, search.whole(side, ()))
-    return best
+    if cloud.support is None or cloud.floor is None:
+        return search.whole(whole, slices)
+    asked = search.settings.approach.directions
+    first = [search.whole(whole, slices)] if asked in ("auto", "top", "any") else []
+    if first and (asked == "top" or (asked == "auto" and search.is_enough(first[0]))):
+        return first[0]
+    return _from_any_side(search, Tilted(cloud, cloud.floor, search.settings), box, first)
 
 
-def _aslant(search: Search, cloud: ObjectCloud, box: OrientedBox, best: Answer) -> Answer:
-    """The answer for a hand that comes aslant, if that is better than the `best` one for a hand straight down.
+def _from_any_side(search: Search, tilted: Tilted, box: OrientedBox, found: list[Answer]) -> Answer:
+    """The best answer for hands that come from any side, the one for straight down among them if that was `found`.
 
-    The tilts are tried one after the other, until one of them leaves grasps. If none does, it is the latter that says
-    why: people look for that first.
+    Lists of directions are tried one after the other until one is enough. If none leaves a grasp, it is the nearest
+    miss that says why.
     """
-    blocked = best.rejection is not None and best.rejection.cause == "palm"
-    tried = cloud.in_container or blocked or search.settings.approach.tried == "always"
-    if cloud.floor is None or not tried or (best.grasps is not None and not _is_close(best, search.settings)):
-        return best
-    tilted = Tilted(cloud, cloud.floor, search.settings)
-    for directions in ways(cloud, box.frame.axes[0], search.settings):
-        placed = [place for toward in directions if (place := tilted.place(toward, search.gripper))]
-        answers = [search.whole(place, ()) for place in placed]
-        best = reduce(search.better, (answer for answer in answers if answer.grasps is not None), best)
-        if best.grasps is not None:
+    cloud, settings = tilted.cloud, search.settings
+    own = oriented_box(cloud.points, cloud.toward, settings.main_plane.method)
+    most_m3 = found[0].shape.volume_m3 if found and found[0].shape else np.inf
+    best = found[0] if found else None
+    for directions in rings(cloud, box.frame.axes[0], own, settings.approach):
+        answers = [each for each in (_from(search, tilted, direction, most_m3) for direction in directions) if each]
+        best = reduce(search.better, answers if best is None else [best, *answers]) if best or answers else None
+        if best is not None and settings.approach.directions == "auto" and search.is_enough(best):
             break
-    return best
+    if best is None:
+        return _nothing("palm_room", "from no direction that was asked for has the palm room over the object")
+    if not found or best is found[0]:
+        return best
+    return replace(best, why_not_top=search.shortcoming(found[0])) if best.grasps else _nearest(found[0], best, cloud)
 
 
-def _is_close(best: Answer, settings: PlannerSettings) -> bool:
-    """Whether the palm of the best grasp comes closer to something than is aimed at beside the pads."""
-    room = best.grasps.palm_room if best.grasps is not None else np.empty(0)
-    return len(room) > 0 and bool(room[0] < settings.hand.preshape_m)
+def _nearest(top: Answer, aslant: Answer, cloud: ObjectCloud) -> Answer:
+    """The answer `top` for straight down, which people look for first, with the nearer miss of another direction."""
+    missed, nearer = top.rejection, aslant.rejection
+    if missed is None or nearer is None or aslant.direction is None or cloud.support is None:
+        return top
+    tilt = tilt_deg(aslant.direction.toward, cloud.support.normal)
+    return replace(top, rejection=replace(missed, reason=f"{missed.reason}; {tilt:.0f}° aslant, {nearer.reason}"))
 
 
-def _standing(cloud: ObjectCloud, size: FloatArray, settings: PlannerSettings) -> Place | None:
-    """The place to grasp an object of `size` (3,) from the side; None when it is too low for that."""
-    if size[2] < settings.depth.standing_ratio * size[:2].max():
-        return None
-    box = oriented_box(cloud.points, cloud.toward, settings.main_plane.method)
-    return None if box is None else from_the_side(cloud, box, settings)
+def _from(search: Search, tilted: Tilted, direction: Direction, most_m3: float) -> Answer | None:
+    """The answer for a hand that comes from one direction; None where there is no room for its palm."""
+    places = tilted.places(direction.toward, search.gripper)
+    whole = next(places, None)
+    return None if whole is None else replace(search.whole(whole, places, most_m3), direction=direction)
+
+
+def _box(cloud: ObjectCloud, settings: PlannerSettings) -> OrientedBox | None:
+    """The box whose main plane the method runs in first: an object's own, if it is alone and nothing else is asked."""
+    method = settings.main_plane.method
+    if cloud.support is not None:
+        return box_on(cloud.support, cloud.points, method)
+    toward = asked_of(cloud, settings.approach)
+    if toward is not None:
+        return box_across(toward, cloud.points, method)
+    return oriented_box(cloud.points, cloud.toward, method)
 
 
 def _nothing(stage: str, reason: str) -> Answer:

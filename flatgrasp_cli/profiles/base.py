@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -32,3 +33,12 @@ Angle = Annotated[float, Field(ge=0.01, le=180)]
 """Degrees, half a turn at most, and more than nothing."""
 Share = Annotated[float, Field(ge=1e-4, lt=1)]
 """Of a whole, and less than all of it."""
+Component = Annotated[float, Field(ge=-1e6, le=1e6)]
+"""Of a vector of any length."""
+
+
+def not_zero(vector: tuple[float, float, float]) -> tuple[float, float, float]:
+    """The vector; raises `ValueError` if it points nowhere."""
+    if math.hypot(*vector) < 1e-6:
+        raise ValueError("must not be zero")
+    return vector

@@ -7,20 +7,20 @@ what is beside that may be anything.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
 
 from flatgrasp_cli.funnel import Funnel
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
+from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.geometry.polygon import left_normal
-from flatgrasp_cli.model import FingerCandidates, GraspCandidates, ObjectCloud, Silhouette
+from flatgrasp_cli.model import FingerCandidates, GraspCandidates, OpenHands, Silhouette
 from flatgrasp_cli.profiles.gripper import Gripper
-from flatgrasp_cli.profiles.settings import PlannerSettings
-from flatgrasp_cli.surroundings.below import breadth_m
+from flatgrasp_cli.surroundings.below import Stops, breadth_m
 from flatgrasp_cli.surroundings.on_support import OnSupport
+from flatgrasp_cli.surroundings.walls import ALONG_PAD, INWARD_M, WALL_PLACES, pad_places
 
 ALONG_FINGER, BESIDE_M = (0.03, 0.12, 0.3, 0.7), 0.004
 """Where a finger's space is looked into, in shares of its length from its tip, and how near to the object, metres."""
@@ -36,7 +36,9 @@ ON_THE_WAY = (0.05, 0.5, 1.0)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Aslant(OnSupport):
-    """What the method asks of an object that the hand comes to aslant."""
+    """What the method asks of an object that the hand comes to aslant; `own` has what was seen of the object itself."""
+
+    own: HeightMap = field(kw_only=True)
 
     def approached(
         self,
@@ -48,20 +50,31 @@ class Aslant(OnSupport):
         /,
     ) -> GraspCandidates:
         """The pairs to which the hand can come, through space that was seen to be free or lies behind the object."""
+        grasps = grasps.select(np.flatnonzero(self._is_seen(fingers, grasps)))
+        funnel.count("seen", len(grasps), "the fingers would close on sides of the object that were not seen")
         grasps = grasps.select(np.flatnonzero(self._has_palm_room(grasps, gripper)))
         funnel.count("palm_room", len(grasps), "the palm has no room over the object")
         grasps = OnSupport.approached(self, silhouette, fingers, grasps, gripper, funnel)
         if self.view.image is None:
             return grasps
-        limit = self.settings.approach.hidden_share
+        in_fingers, behind, in_palm = self._hidden(grasps, gripper)
+        strict = self.settings.depth.unseen == "refuse"
+        limit = 0.0 if strict else self.settings.approach.hidden_share
+        grasps = grasps.having(unseen=2 * gripper.finger_thickness_m * in_fingers)
         kept = funnel.at_most(
             "unseen",
             grasps,
-            self._hidden(grasps, gripper),
+            np.maximum(in_fingers if strict else in_fingers - behind, in_palm),
             limit,
             lambda value: f"{100 * value:.0f} % of the hand's way is hidden, allowed {100 * limit:.0f} %",
         )
         return grasps.select(kept)
+
+    def _is_seen(self, fingers: FingerCandidates, grasps: GraspCandidates) -> BoolArray:
+        """Of which pairs (p,) a finger comes to a surface that was seen along most of its pad, not only to its rear."""
+        places = pad_places(fingers, INWARD_M[:WALL_PLACES], ALONG_PAD)
+        seen = np.isfinite(self.own.over(*places)).mean(axis=(0, 1)) > 0.5
+        return np.asarray(seen[grasps.i] | seen[grasps.j])
 
     def _has_palm_room(self, grasps: GraspCandidates, gripper: Gripper) -> BoolArray:
         """Which pairs (p,) have room for a palm of the least height at which the pads hold anything at all.
@@ -82,19 +95,30 @@ class Aslant(OnSupport):
             has_room &= room_m.take(coarse.raster.cells(x, y)) >= radius
         return has_room
 
-    def _hidden(self, grasps: GraspCandidates, gripper: Gripper) -> FloatArray:
-        """Share (p,) of places in the fingers or in the palm, at the grasp and on the way, that no ray reached.
+    def stopped(self, hands: OpenHands, gripper: Gripper, /) -> Stops:
+        """What stands below the fingers and the palm of open hands, and how much of where they end was hidden."""
+        found = OnSupport.stopped(self, hands, gripper)
+        if self.settings.depth.unseen == "ignore":
+            return found
+        out = (0.5 * (hands.opening + gripper.finger_thickness_m))[:, None] * hands.axis
+        ends = np.stack([np.column_stack([hands.center + sign * out, hands.tip]) for sign in (-1.0, 1.0)])
+        hidden = self.view.hides(np.ascontiguousarray(ends.reshape(-1, 3).T), SURELY_BEHIND_M)
+        return found._replace(dark=hidden.reshape(2, -1).mean(axis=0))
 
-        For fingers, what the object itself hides is no more in the way than it is for a hand from straight above.
+    def _hidden(self, grasps: GraspCandidates, gripper: Gripper) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Shares (p,) of places in the fingers and, last, in the palm, on the way and at its end, that no ray reached.
+
+        The second is the share of those in fingers that the object itself hides: that is no more in the way than it is
+        for a hand from straight above.
         """
-        shares = []
-        for places, behind in ((self._in_fingers(grasps, gripper), True), (self._in_palm(grasps, gripper), False)):
-            columns = np.ascontiguousarray(places.reshape(-1, 3).T)
-            hidden = self.view.hides(columns, SURELY_BEHIND_M)
-            if behind:
-                hidden &= ~self.view.shadowed(columns)
-            shares.append(hidden.reshape(len(places), -1).mean(axis=0))
-        return np.asarray(np.maximum(*shares))
+        places = self._in_fingers(grasps, gripper)
+        columns = np.ascontiguousarray(places.reshape(-1, 3).T)
+        hidden = self.view.hides(columns, SURELY_BEHIND_M)
+        behind = hidden & self.view.shadowed(columns)
+        palm = self._in_palm(grasps, gripper)
+        in_palm = self.view.hides(np.ascontiguousarray(palm.reshape(-1, 3).T), SURELY_BEHIND_M)
+        one, two, three = (each.reshape(-1, len(grasps)).mean(axis=0) for each in (hidden, behind, in_palm))
+        return one, two, three
 
     def _in_fingers(self, grasps: GraspCandidates, gripper: Gripper) -> FloatArray:
         """Places (k, p, 3) in the open fingers, and where they close."""
@@ -122,19 +146,3 @@ class Aslant(OnSupport):
                 heights = [base + share * self.settings.depth.approach_m for share in ON_THE_WAY]
                 places += [np.column_stack([flat, height]) for height in heights]
         return np.stack(places)
-
-
-def ways(cloud: ObjectCloud, across: FloatArray, settings: PlannerSettings) -> Iterator[list[FloatArray]]:
-    """For each tilt, the unit vectors (3,) that hands come against, around the support plane's normal.
-
-    The first is tilted along `across` (3,), a side of the object: then the ends of fingers that close along that side,
-    or across it, are parallel to the plane, and get as low as they can.
-    """
-    if cloud.support is None:
-        return
-    normal = cloud.support.normal
-    turned = np.cross(normal, across)
-    turns = 2 * np.pi * np.arange(settings.approach.around) / settings.approach.around
-    for tilt in np.radians(settings.approach.tilts_deg):
-        sides = [np.cos(turn) * across + np.sin(turn) * turned for turn in turns]
-        yield [np.cos(tilt) * normal + np.sin(tilt) * side for side in sides]

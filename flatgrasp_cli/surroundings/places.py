@@ -33,9 +33,6 @@ and space half a finger's width beside an edge is still told from the space behi
 FINGERS_M = 0.12
 """How far around an object the height maps reach, metres: no finger of a hand that opens by 14 cm comes down farther
 out."""
-FLOOR_M = 0.3
-"""The support plane farther than this from a standing object's middle cannot meet the hand, metres: hands are some 10
-to 20 cm wide."""
 NEIGHBOURS_WITHIN = 2.0
 """Steps of a square grid within which a point at its edge has six neighbours; on a rod they lie farther along it."""
 MIN_CELL_M = 0.002
@@ -119,10 +116,10 @@ def _slices(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, setting
         settings=settings,
     )
     whole = Place(box=box, frame=frame, points=cloud.points, surroundings=around, spacing_m=spacing_m)
-    return [whole, *(_above(whole, around, local, piece) for piece in upper)]
+    return [whole, *(above(whole, around, local, piece) for piece in upper)]
 
 
-def _above(whole: Place, around: OnSupport, local: FloatArray, piece: Slice) -> Place:
+def above(whole: Place, around: OnSupport, local: FloatArray, piece: Slice) -> Place:
     """A slice of an object whose points are `local` (n, 3) in the plane's frame: the rest of it may be in the way."""
     apart = np.ones(len(local), dtype=np.bool_)
     apart[piece.rows] = False
@@ -134,36 +131,6 @@ def _above(whole: Place, around: OnSupport, local: FloatArray, piece: Slice) -> 
         points=whole.points[piece.rows],
         surroundings=replace(around, level_m=piece.level_m, maps=maps),
     )
-
-
-def from_the_side(cloud: ObjectCloud, box: OrientedBox, settings: PlannerSettings) -> Place:
-    """The whole of a standing object in the main plane of its own `box`, to be grasped from the sensor's side.
-
-    Heights are over the deepest point that was seen of it, where it is widest. The fingertips end a little behind that,
-    and the support plane is an obstacle like any other.
-    """
-    frame = replace(box.frame, origin=box.frame.origin - 0.5 * box.size[2] * box.frame.axes[2])
-    floor = cloud.floor.points if cloud.floor is not None else np.empty((0, 3))
-    floor = floor[np.abs(floor - box.frame.origin).max(axis=1) < FLOOR_M]
-    local, others = frame.to_local(cloud.points), frame.to_local(np.concatenate([cloud.obstacles, floor]))
-    cell_m = max(MIN_CELL_M, spacing(local[:, :2]))
-    highest = HeightMap.of(np.concatenate([local, others]), cell_m)
-    view = _view(cloud, frame, cell_m)
-    around = OnSupport(
-        level_m=-settings.depth.min_grip_m,
-        lowest_m=-settings.depth.min_grip_m,
-        ground_m=-settings.depth.min_grip_m - settings.depth.obstacle_clearance_m,
-        maps=HeightMaps(
-            surface=highest.averaged(local),
-            rest=HeightMap.of(others, cell_m),
-            highest=highest,
-            coarse=HeightMap.of(np.concatenate([local, others]), cell_m),
-        ),
-        envelope=Envelope.of(highest, view, top_of(local[:, 2])),
-        view=view,
-        settings=settings,
-    )
-    return Place(box, frame, cloud.points, around)
 
 
 def hanging_m(whole: Place) -> float:

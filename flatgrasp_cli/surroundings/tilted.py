@@ -6,6 +6,7 @@ so what was hidden straight below its rim is taken to belong to it, as a hand fr
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -30,10 +31,14 @@ from flatgrasp_cli.surroundings.places import (
     NEIGHBOURS_WITHIN,
     PIXEL_CELLS,
     Place,
+    above,
     box_across,
 )
-from flatgrasp_cli.surroundings.slices import lowest_tip, top_of
+from flatgrasp_cli.surroundings.slices import lowest_tip, slices, top_of
 from flatgrasp_cli.surroundings.view import View
+
+LEAST_FALL = 1e-3
+"""Stands for the cosine of 90°: the support plane beside a hand that comes along it is as high as a house."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +61,11 @@ class Tilted:
         return top_of(self.floor.frame.to_local(self.cloud.points)[:, 2])
 
     @cached_property
+    def _clearance_m(self) -> float:
+        """How far hands keep clear of the plane, metres."""
+        return float(lowest_tip(self._height_m, self.settings.depth))
+
+    @cached_property
     def _view(self) -> View:
         """What the sensor saw, in the frame of the floor."""
         frame, viewpoint = self.floor.frame, self.cloud.viewpoint
@@ -67,7 +77,7 @@ class Tilted:
 
     @cached_property
     def _body(self) -> FloatArray:
-        """Points (k, 3) of the object below its rim that were hidden, down to the lowest that was seen of it."""
+        """Points (k, 3) of the object below its rim that were hidden, down to the plane."""
         frame, cell_m = self.floor.frame, self._cell_m
         local = frame.to_local(self.cloud.points)
         raster = Raster.around(local[:, 0], local[:, 1], cell_m)
@@ -78,18 +88,29 @@ class Tilted:
         _, first = np.unique(cell[order], return_index=True)
         tops = local[order[first]]  # the highest point of each cell
         tops = tops[rim.take(cell[order[first]])]
-        levels = np.arange(float(local[:, 2].min()), float(tops[:, 2].max()), cell_m)
+        levels = np.arange(0.0, float(tops[:, 2].max()), cell_m)
         place, level = true_entries(levels < tops[:, 2:])
         body = np.column_stack([tops[place, :2], levels[level]])
         hidden = self._view.hides(np.ascontiguousarray(body.T), SURELY_BEHIND_M)
         return frame.to_world(body[hidden])
 
-    def place(self, toward: FloatArray, gripper: Gripper) -> Place | None:
-        """The object for a hand that comes against `toward` (3,), a unit vector.
+    def places(self, toward: FloatArray, gripper: Gripper) -> Iterator[Place]:
+        """The object for a hand that comes against `toward` (3,), a unit vector: the whole, then what stands out.
 
-        Heights are over the deepest point of the object, and the support plane is an obstacle like any other. None if
-        the points lie on a line, or if there is no room for a palm over them.
+        Heights are over the deepest point of the object, and the support plane is an obstacle like any other. There is
+        none if the points lie on a line, or if there is no room for a palm over them.
         """
+        whole = self.whole(toward, gripper)
+        if whole is None:
+            return
+        yield whole
+        around, local = whole.surroundings, whole.frame.to_local(whole.points)
+        if isinstance(around, Aslant):
+            for piece in slices(local, around.maps.rest.cell_m, self.settings.depth)[1:]:
+                yield above(whole, around, local, piece)
+
+    def whole(self, toward: FloatArray, gripper: Gripper) -> Place | None:
+        """The whole of the object for a hand that comes against `toward` (3,); None where `places` has none."""
         box = box_across(toward, np.concatenate([self.cloud.points, self._body]), self.settings.main_plane.method)
         if box is None:
             return None
@@ -103,7 +124,8 @@ class Tilted:
             return None
         others = self._standing(local, frame, cell_m).raised(obstacles)
         x, y, _ = frame.to_local(self._body).T
-        body = self._body[others.averaged(local).over(x, y) == UNSEEN]
+        own = others.averaged(local)
+        body = self._body[own.over(x, y) == UNSEEN]
         points = np.concatenate([self.cloud.points, body])
         local = np.concatenate([local, frame.to_local(body)])
         highest = others.raised(local)
@@ -123,12 +145,25 @@ class Tilted:
             view=view,
             settings=self.settings,
             height_m=self._height_m,
+            own=own,
         )
         return Place(box=box, frame=frame, points=points, surroundings=around, spacing_m=spacing_m)
 
     def _standing(self, local: FloatArray, frame: Frame, cell_m: float) -> HeightMap:
         """The floor around points `local` (n, 3), seen along z of the `frame`."""
-        return HeightMap.around(local, cell_m, FINGERS_M).filled(self.floor.levels, frame, self.floor.frame)
+        normal = self.floor.frame.axes[2]
+        fall = max(float(frame.axes[2] @ normal), LEAST_FALL)
+        beside_m = max(
+            0.0,
+            float(lowest_tip(self._height_m, self.settings.depth)) - fall * self.settings.depth.obstacle_clearance_m,
+        )
+        chart = HeightMap.around(local, cell_m, FINGERS_M)
+        rows, columns = chart.raster.shape
+        x = chart.raster.origin[0] + cell_m * (0.5 + np.arange(rows))
+        y = chart.raster.origin[1] + cell_m * (0.5 + np.arange(columns))
+        origin = float(normal @ (frame.origin - self.floor.frame.origin))
+        over = origin + (normal @ frame.axes[0]) * x[:, None] + (normal @ frame.axes[1]) * y
+        return replace(chart, heights=chart.raster.rimmed((beside_m - over) / fall, UNSEEN))
 
     def _has_room(self, coarse: HeightMap, local: FloatArray, gripper: Gripper) -> bool:
         """Whether, over points `local` (n, 3), anything as wide as the palm is free where the palm is at the highest.

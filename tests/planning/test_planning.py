@@ -231,7 +231,8 @@ class TestReach:
 
     def test_a_grasp_at_the_base_itself_fails_another_limit(self, ur5: Robot, pr2: Gripper) -> None:
         near = Camera(target=(0.02, 0.0, 0.0))
-        result = plan(near.sees(TABLE, Box((0.02, 0.0, 0.02), (0.1, 0.04, 0.04))), pr2, robot=ur5, top=3)
+        down = load_settings("default", ("approach.directions=top",))
+        result = plan(near.sees(TABLE, Box((0.02, 0.0, 0.02), (0.1, 0.04, 0.04))), pr2, down, robot=ur5, top=3)
         assert result.best is None
         assert {grasp.reach.limit for grasp in result.objects[0].refused if grasp.reach} <= set(LIMITS)
 

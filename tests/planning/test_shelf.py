@@ -1,42 +1,50 @@
-"""Before a shelf: what stands in front of it is grasped from above, what stands below the board is not."""
+"""Before a shelf: what stands in front of it is grasped from above, and what stands below the board from the front."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from flatgrasp_cli import load_gripper, plan
-from flatgrasp_cli.model import Grasp
-from flatgrasp_cli.profiles import Gripper
+from flatgrasp_cli import Plan, load_gripper, load_settings, plan
+from flatgrasp_cli.model import ObjectPlan
 from tests.conftest import TABLE, Box, Camera, Tube
+from tests.scene.test_heaps import distance
+from tests.surroundings.on_a_table import hand_in
 
 BOARD, BACK = Box((0.0, 0.14, 0.26), (0.7, 0.28, 0.02)), Box((0.0, 0.29, 0.15), (0.7, 0.02, 0.34))
 SIDE = Box((-0.36, 0.14, 0.13), (0.02, 0.28, 0.28))
 BELOW, ON_BOARD = Box((0.05, 0.12, 0.05), (0.05, 0.05, 0.1)), Box((0.1, 0.1, 0.30), (0.05, 0.08, 0.06))
 FRONT = (Box((-0.1, -0.12, 0.04), (0.06, 0.1, 0.08), 20), Tube((0.15, -0.15, 0.05), 0.03, 0.1))
 CAMERA = Camera(tilt_deg=60, distance=0.9, target=(0.0, 0.05, 0.1), pixels=(400, 300), focal=400.0)
+SHELVES = pytest.mark.parametrize("shelf", [(BOARD,), (BOARD, BACK), (BOARD, BACK, SIDE)], ids=["board", "back", "all"])
+HANDS = pytest.mark.parametrize("name", ["pr2", "robotiq_2f_140"])
 
 
-def reaches_into(grasp: Grasp, gripper: Gripper, solid: Box) -> bool:
-    """Whether a hand that comes straight down to a grasp passes through an upright box, on its way or there."""
-    half = 0.5 * (max(gripper.palm_m, grasp.opening_m + 2 * gripper.finger_thickness_m) + gripper.hand_width_m)
-    low, high = np.array(solid.center) - 0.5 * np.array(solid.size), np.array(solid.center) + 0.5 * np.array(solid.size)
-    above = (np.abs(grasp.position[:2] - np.clip(grasp.position[:2], low[:2], high[:2])) < 0.5 * half).all()
-    return bool(above and high[2] > grasp.position[2])
+def of(solid: Box | Tube, found: Plan) -> ObjectPlan:
+    """The plan of what stands where `solid` does."""
+    return min(found.objects, key=lambda item: float(np.abs(item.object.points.mean(axis=0) - solid.center).sum()))
 
 
-@pytest.mark.parametrize("name", ["pr2", "robotiq_2f_140"])
-@pytest.mark.parametrize("shelf", [(BOARD,), (BOARD, BACK), (BOARD, BACK, SIDE)], ids=["board", "back", "side"])
-def test_what_stands_before_a_shelf_is_had_and_what_is_below_the_board_is_not(
-    shelf: tuple[Box, ...], name: str
-) -> None:
-    gripper = load_gripper(name)
-    objects = plan(CAMERA.sees(TABLE, *shelf, *FRONT, BELOW, ON_BOARD), gripper).objects
-    had = [item for item in objects if item.grasps]
-    assert all(np.linalg.norm(item.object.points - BELOW.center, axis=1).min() > 0.05 for item in had)
-    for solid in FRONT:
-        near = [item for item in had if np.linalg.norm(item.grasps[0].position[:2] - solid.center[:2]) < 0.04]
-        assert len(near) == 1
-    for item in had:
-        for grasp in item.grasps:
-            assert not any(reaches_into(grasp, gripper, part) for part in shelf)
+@HANDS
+@SHELVES
+def test_no_hand_touches_the_shelf_and_all_that_it_can_get_at_is_had(shelf: tuple[Box, ...], name: str) -> None:
+    found = plan(CAMERA.sees(TABLE, *shelf, *FRONT, BELOW, ON_BOARD), load_gripper(name))
+    for solid in (*FRONT, ON_BOARD):
+        assert of(solid, found).grasps[0].approach.known_from == "top"
+    below = of(BELOW, found)
+    assert below.grasps[0].approach.direction[1] > 0.5, "from the front"
+    assert below.why_not_top is not None
+    assert "too high to grip" in below.why_not_top
+    hands = [hand_in(each, found.gripper, back_m=back) for each in below.grasps for back in (0, 0.03, 0.06, 0.1)]
+    for hand in hands:
+        assert min(distance(part, hand).min() for part in shelf) > 0
+        assert hand[:, 2].min() > 0
+
+
+@HANDS
+def test_from_straight_above_what_is_below_the_board_is_not_had(name: str) -> None:
+    down = load_settings("default", ("approach.directions=top",))
+    below = of(BELOW, plan(CAMERA.sees(TABLE, BOARD, BACK, *FRONT, BELOW, ON_BOARD), load_gripper(name), down))
+    assert not below.grasps
+    assert below.rejection is not None
+    assert "mm high" in below.rejection.reason

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from flatgrasp_cli import Plan, load_gripper, load_robot, load_settings, plan, to_document
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import turned_about_z
-from flatgrasp_cli.model import Cloud, Grasp, Pose, Poses, Reach
+from flatgrasp_cli.model import Approach, Cloud, Grasp, Pose, Poses, Reach
 from flatgrasp_cli.profiles import Gripper, Robot
 from flatgrasp_cli.robot import Motion, forward, in_dh_base, way_to
 from tests.conftest import Box, Camera
@@ -111,6 +111,7 @@ def placed(gripper: Gripper, **values: Any) -> Grasp:
         width_m=0.04,
         contacts=np.zeros((2, 3)),
         fingers=(0, 1),
+        approach=Approach(direction=-UP, tilt_deg=0.0, known_from="top"),
         way=way_to(tips, 0.04, gripper, Motion(0.10, 0.08, UP, twin=True), twin=twin),
         **measured,
         **values,

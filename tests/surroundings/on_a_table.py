@@ -24,8 +24,8 @@ HEIGHT_SLACK_M = 2 * MM
 
 
 def planned(cloud: Cloud, gripper: Gripper, *overrides: str, top: int = 10) -> Plan:
-    """The best `top` grasps, those at about one place, too."""
-    return plan(cloud, gripper, load_settings("default", (*EACH, *overrides)), top=top)
+    """The best `top` grasps from straight above, those at about one place, too."""
+    return plan(cloud, gripper, load_settings("default", (*EACH, "approach.directions=top", *overrides)), top=top)
 
 
 def best(result: Plan) -> Grasp:
@@ -73,3 +73,18 @@ def struck(grasp: Grasp, gripper: Gripper, points: FloatArray) -> FloatArray:
         np.abs(y) < 0.5 * gripper.palm_m - PALM_SLACK_M
     )
     return np.asarray(local[hit | (in_palm & (z < -gripper.finger_length_m))])
+
+
+def hand_in(grasp: Grasp, gripper: Gripper, *, back_m: float = 0.0) -> FloatArray:
+    """Places in the open fingers and the palm, the hand so far back on its way, in the world."""
+    across = np.linspace(-0.5, 0.5, 7)
+    finger = np.stack(np.meshgrid(across, across, np.linspace(0.02, 1, 15)), axis=-1).reshape(-1, 3)
+    places = []
+    for sign in (-1, 1):
+        out = sign * 0.5 * (grasp.opening_m + gripper.finger_thickness_m)
+        size = [gripper.finger_width_m, gripper.finger_thickness_m, -gripper.finger_length_m]
+        places.append(finger * size + [0, out, 0])
+    palm = np.stack(np.meshgrid(across, np.linspace(-0.5, 0.5, 31), [1.0]), axis=-1).reshape(-1, 3)
+    places.append(palm * [gripper.hand_width_m, gripper.palm_m, -gripper.finger_length_m])
+    local = np.concatenate(places) - [0, 0, back_m]
+    return Frame(grasp.position, axes_from_quaternion(grasp.orientation)).to_world(local)

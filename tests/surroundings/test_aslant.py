@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -9,12 +12,12 @@ from flatgrasp_cli import Plan, load_gripper, load_settings, plan
 from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion
 from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.geometry.raster import Raster
-from flatgrasp_cli.model import Grasp, ObjectCloud, SupportPlane
-from flatgrasp_cli.profiles import Gripper
+from flatgrasp_cli.model import ObjectCloud, OrientedBox, SupportPlane
 from flatgrasp_cli.scene import segment
-from flatgrasp_cli.surroundings import Tilted, ways
+from flatgrasp_cli.surroundings import Direction, Tilted, rings, tilt_deg
 from tests.conftest import MM, TABLE, Box, Camera
 from tests.scene.test_heaps import distance, walls
+from tests.surroundings.on_a_table import hand_in
 
 UP = np.array([0.0, 0.0, 1.0])
 SETTINGS = load_settings()
@@ -45,32 +48,43 @@ def test_an_aslant_axis_meets_the_heights_over_the_plane(angle_deg: float) -> No
     assert np.abs(world[:, 2] - 0.1 * world[:, 0]).max() < 2.5 * MM / np.cos(np.radians(angle_deg))
 
 
-def test_hands_come_from_all_around_and_first_along_the_objects_side() -> None:
-    approach = SETTINGS.approach.model_copy(update={"tilts_deg": (30.0, 60.0)})
-    plane, side = SupportPlane(UP, 0.0, 1 * MM), np.array([0.6, 0.8, 0.0])
-    item = ObjectCloud(0, np.zeros((40, 3)), UP, None, plane)
-    found = [np.array(ring) for ring in ways(item, side, SETTINGS.model_copy(update={"approach": approach}))]
-    assert [len(ring) for ring in found] == [8, 8]
-    for ring, tilt in zip(found, (30, 60), strict=True):
-        assert np.linalg.norm(ring, axis=1) == pytest.approx(1)
-        assert np.degrees(np.arccos(ring[:, 2])) == pytest.approx(tilt)
-        assert ring.mean(axis=0)[:2] == pytest.approx(0, abs=1e-9)
-        assert ring[0] == pytest.approx(np.cos(np.radians(tilt)) * UP + np.sin(np.radians(tilt)) * side)
+class TestDirections:
+    ITEM = ObjectCloud(0, np.zeros((40, 3)), UP, None, SupportPlane(UP, 0.0, 1 * MM))
+    SIDE = np.array([0.6, 0.8, 0.0])
 
+    def around(self, item: ObjectCloud = ITEM, own: OrientedBox | None = None, **asked: Any) -> list[list[Direction]]:
+        return list(rings(item, self.SIDE, own, SETTINGS.approach.model_copy(update=asked)))
 
-def hand_in(grasp: Grasp, gripper: Gripper, *, back_m: float = 0.0) -> np.ndarray:
-    """Places in the open fingers and the palm, the hand so far back on its way, in the world."""
-    across = np.linspace(-0.5, 0.5, 7)
-    finger = np.stack(np.meshgrid(across, across, np.linspace(0.02, 1, 15)), axis=-1).reshape(-1, 3)
-    places = []
-    for sign in (-1, 1):
-        out = sign * 0.5 * (grasp.opening_m + gripper.finger_thickness_m)
-        size = [gripper.finger_width_m, gripper.finger_thickness_m, -gripper.finger_length_m]
-        places.append(finger * size + [0, out, 0])
-    palm = np.stack(np.meshgrid(across, np.linspace(-0.5, 0.5, 31), [1.0]), axis=-1).reshape(-1, 3)
-    places.append(palm * [gripper.hand_width_m, gripper.palm_m, -gripper.finger_length_m])
-    local = np.concatenate(places) - [0, 0, back_m]
-    return Frame(grasp.position, axes_from_quaternion(grasp.orientation)).to_world(local)
+    def test_hands_come_from_all_around_and_first_along_the_objects_side(self) -> None:
+        _, *found = self.around(tilts_deg=(30.0, 60.0, 90.0))
+        assert [len(ring) for ring in found] == [8, 8, 8]
+        for ring, tilt in zip(found, (30, 60, 90), strict=True):
+            toward = np.array([each.toward for each in ring])
+            assert np.linalg.norm(toward, axis=1) == pytest.approx(1)
+            assert [tilt_deg(each, UP) for each in toward] == pytest.approx([tilt] * 8)
+            assert toward.mean(axis=0)[:2] == pytest.approx(0, abs=1e-9)
+            assert toward[0] == pytest.approx(np.cos(np.radians(tilt)) * UP + np.sin(np.radians(tilt)) * self.SIDE)
+
+    def test_before_that_along_the_main_plane_s_normal_and_the_view(self) -> None:
+        seen = replace(self.ITEM, viewpoint=np.array([0.0, -0.6, 0.8]))
+        leaning = Frame(np.zeros(3), turned(40).axes)
+        first, *_ = self.around(seen, OrientedBox(leaning, np.ones(3), np.array([np.zeros(3), np.ones(3)])))
+        assert [each.known_from for each in first] == ["main_plane", "view"]
+        assert first[0].toward == pytest.approx(leaning.axes[2])
+        assert first[1].toward == pytest.approx([0.0, -0.6, 0.8])
+
+    def test_no_tilt_is_larger_than_the_largest_that_is_wanted(self) -> None:
+        seen = replace(self.ITEM, viewpoint=np.array([0.0, -0.6, 0.8]))
+        first, *found = self.around(seen, max_tilt_deg=35.0)
+        assert first == []
+        assert len(found) == 2
+
+    @pytest.mark.parametrize(("asked", "toward"), [("view", (0.0, -0.6, 0.8)), ((0.0, 0.0, -2.0), (0.0, 0.0, 1.0))])
+    def test_a_direction_that_is_asked_for_is_the_only_one(self, asked: Any, toward: tuple[float, ...]) -> None:
+        seen = replace(self.ITEM, viewpoint=np.array([0.0, -0.6, 0.8]))
+        ((found,),) = self.around(seen, directions=asked)
+        assert found.toward == pytest.approx(toward)
+        assert self.around(seen, directions="top") == []
 
 
 def planned(*overrides: str, camera: Camera = ABOVE) -> Plan:
@@ -80,7 +94,7 @@ def planned(*overrides: str, camera: Camera = ABOVE) -> Plan:
 
 class TestInABin:
     def test_what_stands_at_a_wall_is_had_aslant_and_no_wall_is_touched(self) -> None:
-        down = planned("approach.tilts_deg=[]").best
+        down = planned("approach.directions=top").best
         assert down is None or down.tilt_deg == pytest.approx(0)
         found = planned()
         assert found.best is not None, found.reason
@@ -96,7 +110,7 @@ class TestInABin:
     def test_beside_a_lone_wall_hands_lean_away_from_it(self) -> None:
         """On a table they are tried where only the palm is in the way."""
         cloud = ABOVE.sees(TABLE, BIN[1], AT_WALL)
-        down = plan(cloud, load_gripper("pr2"), load_settings("default", ("approach.tilts_deg=[]",)))
+        down = plan(cloud, load_gripper("pr2"), load_settings("default", ("approach.directions=top",)))
         found = plan(cloud, load_gripper("pr2"))
         bar = [min(plans.objects, key=lambda item: len(item.object.points)) for plans in (down, found)]
         assert not bar[0].grasps
@@ -140,14 +154,14 @@ class TestBody:
     def test_what_was_hidden_below_its_rim_belongs_to_it(self) -> None:
         """Its far side was not seen. A hand from over there finds it as high as it is, 6 cm, and not the top's edge."""
         toward = np.array([0.0, np.sin(np.radians(30)), np.cos(np.radians(30))])
-        place = self.tilted().place(toward, load_gripper("pr2"))
+        place = self.tilted().whole(toward, load_gripper("pr2"))
         assert place is not None
         far = place.points[place.points[:, 1] > 0.025]
         assert far[:, 2].min() < 10 * MM
         assert distance(self.BOX, place.points).max() < 4 * MM
 
     def test_half_of_its_height_is_what_pads_must_hold_at_most(self) -> None:
-        place = self.tilted().place(UP, load_gripper("pr2"))
+        place = self.tilted().whole(UP, load_gripper("pr2"))
         assert place is not None
         assert place.surroundings.height_m == pytest.approx(60 * MM, abs=3 * MM)  # type: ignore[attr-defined]
 
@@ -159,4 +173,4 @@ class TestBody:
         item = min(scene.objects, key=lambda item: float(np.abs(item.points[:, 1]).max()))
         assert item.floor is not None
         tilted = Tilted(item, item.floor, SETTINGS.resolve(load_gripper("pr2")))
-        assert tilted.place(np.array([0.0, 0.5, np.sqrt(0.75)]), load_gripper("pr2")) is None
+        assert tilted.whole(np.array([0.0, 0.5, np.sqrt(0.75)]), load_gripper("pr2")) is None

@@ -3,24 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from flatgrasp_cli import load_gripper, load_settings
-from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.model import Grasp, ObjectPlan
 from flatgrasp_cli.planning import plan_object
-from flatgrasp_cli.planning.objects import _standing
 from flatgrasp_cli.ranking import TIE
 from flatgrasp_cli.surroundings.below import fingers_meet, under_fingers, under_palm
 from tests.by_hand import MM, Relief, across, bar, on_table
 from tests.conftest import holds
 
 PR2 = load_gripper("pr2")
-SETTINGS = load_settings("default", ("caging.certify=false",)).resolve(PR2)
+SETTINGS = load_settings("default", ("caging.certify=false", "approach.directions=top")).resolve(PR2)
 
 
 def bar_of(size_mm: Sequence[float], others: Relief | None = None, **changes: float) -> ObjectPlan:
@@ -155,13 +152,6 @@ def test_the_roots_of_open_fingers_meet_what_the_palm_does_not(opening_mm: float
     post = HeightMap.of(np.array([[0.0, 0.065, 0.1], [0.2, 0.2, 0.0], [-0.2, -0.2, 0.0]]), 5 * MM)
     highest = under_palm(across([0.04])[1], np.array([[opening_mm * MM]]), post, 0.05, hand)
     assert np.isfinite(highest[0, 0]) == met
-
-
-@pytest.mark.parametrize(("height_m", "stands"), [(0.13, False), (0.17, True)])
-def test_what_is_half_as_high_again_as_long_may_be_grasped_from_the_side(height_m: float, stands: bool) -> None:
-    cloud = replace(on_table(bar(0.1, 0.06, height_m)), toward=np.array([0.0, -1.0, 0.2]))
-    size: FloatArray = np.array([0.1, 0.06, height_m])
-    assert (_standing(cloud, size, SETTINGS) is not None) == stands
 
 
 def test_the_hand_comes_and_goes_by_10_cm() -> None:

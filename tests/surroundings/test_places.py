@@ -10,8 +10,7 @@ import pytest
 from flatgrasp_cli import load_settings
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import ObjectCloud
-from flatgrasp_cli.planner.main_plane import oriented_box
-from flatgrasp_cli.surroundings import OnSupport, Place, box_on, from_the_side, hanging_m, places
+from flatgrasp_cli.surroundings import OnSupport, Place, box_on, hanging_m, places
 from flatgrasp_cli.surroundings.slices import lowest_tip, slices, top_of
 from tests.by_hand import MM, bar, on_table
 
@@ -137,36 +136,6 @@ class TestMaps:
         assert view.hides(np.stack([along, np.full(200, 0.03), np.full(200, 0.02)]), 6 * MM).all()
         assert not view.hides(np.stack([along, np.full(200, 0.018), np.full(200, 0.046)]), 6 * MM).any()
         assert not view.hides(np.stack([np.full(200, 0.057), across, np.full(200, 0.01)]), 6 * MM).any()
-
-
-class TestStanding:
-    """A bottle 24 cm high, seen and grasped from the side: the hand comes along y."""
-
-    BOTTLE = block_of((0.06, 0.002, 0.24), (0.0, -0.02, 0.12), 2 * MM)
-
-    def side(self) -> Place:
-        table = on_table(bar(0.06, 0.06, 0.24))
-        cloud = replace(table, points=self.BOTTLE, viewpoint=np.array([0.0, -0.8, 0.3]), toward=np.array([0, -1.0, 0]))
-        box = oriented_box(cloud.points, cloud.toward, "min_area")
-        assert box is not None
-        return from_the_side(cloud, box, SETTINGS)
-
-    def test_the_table_under_it_is_in_the_hands_way(self) -> None:
-        place = self.side()
-        table = place.frame.to_local(np.array([[0.05, -0.1, 0.0], [0.14, -0.1, 0.0]]))
-        assert np.isfinite(around(place).maps.rest.over(*table[:, :2].T)).all()
-
-    def test_but_not_what_lies_far_off(self) -> None:
-        table = on_table(bar(0.06, 0.06, 0.24))
-        shifted = replace(table, points=self.BOTTLE - [0.35, 0, 0], toward=np.array([0, -1.0, 0]))
-        box = oriented_box(shifted.points, shifted.toward, "min_area")
-        assert box is not None
-        place = from_the_side(shifted, box, SETTINGS)
-        local = place.frame.to_local(np.array([[-0.1, -0.1, 0.0], [0.1, -0.1, 0.0]]))
-        assert np.isfinite(around(place).maps.rest.over(*local[:, :2].T)).tolist() == [True, False]
-
-    def test_the_tips_end_8_mm_behind_what_was_seen_deepest(self) -> None:
-        assert around(self.side()).lowest_m == pytest.approx(-8 * MM)
 
 
 class TestHanging:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
-from flatgrasp_cli.profiles.base import Derived, Length, Profile, Share, Size, Step
+from flatgrasp_cli.profiles.base import Component, Derived, Length, Profile, Share, Size, Step, not_zero
 
 
 class DepthSettings(Profile):
@@ -29,9 +29,6 @@ class DepthSettings(Profile):
     wall_drop: Annotated[float, Field(ge=0, le=20)]
     """Least steepness of the object below the fingertips, a ratio of height to breadth: a flatter flank would push the
     fingers off."""
-    standing_ratio: Annotated[float, Field(ge=0.01, le=1e3)]
-    """An object this many times as high as its footprint is long, a ratio, may be grasped from the side, if not from
-    above."""
     unseen: Literal["rank", "refuse", "ignore"]
     """Finger places that no ray reached, in the object's shadow: hold less probably, are refused, or count as free."""
     approach_m: Length
@@ -43,14 +40,24 @@ class DepthSettings(Profile):
 class ApproachSettings(Profile):
     """Beyond the paper: from where the hand comes to what it cannot grasp from straight above."""
 
-    tried: Literal["needed", "always"]
-    """Where hands that come aslant are tried: in a container and where the palm alone is in the way, or everywhere."""
-    tilts_deg: tuple[Annotated[float, Field(ge=5, le=85)], ...]
-    """How far from straight down, degrees: each only if those before it leave nothing. Empty: straight down alone."""
+    directions: Literal["auto", "top", "view", "any"] | tuple[Component, Component, Component]
+    """Straight down, and from other sides where that is not `enough` (auto); straight down alone; along the sensor's
+    view; whichever of all is best; or as this vector of any length points, in the cloud's frame."""
+    enough: Share
+    """A grasp that holds at least as probably ends the search for better directions."""
+    tilts_deg: tuple[Annotated[float, Field(ge=5, le=90)], ...]
+    """How far from straight down, degrees: each only if those before it leave nothing that is enough. Empty: none."""
+    max_tilt_deg: Annotated[float, Field(ge=0, le=90)]
+    """The largest angle to straight down, degrees, whatever the direction follows from."""
     around: Annotated[int, Field(ge=1, le=36)]
-    """The number of sides from which it is tried at each tilt, the sensor's first."""
+    """The number of sides from which it is tried at each tilt."""
     hidden_share: Share
     """Largest share of the space that an aslant hand moves through that the sensor did not see."""
+
+    @field_validator("directions")
+    @classmethod
+    def _direction(cls, directions: str | tuple[float, float, float]) -> str | tuple[float, float, float]:
+        return directions if isinstance(directions, str) else not_zero(directions)
 
 
 class VarietySettings(Profile):

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
-from flatgrasp_cli.profiles.base import Angle, FarPlace, Length, Profile, Share, Size
-
-Component = Annotated[float, Field(ge=-1e6, le=1e6)]
+from flatgrasp_cli.profiles.base import Angle, Component, FarPlace, Length, Profile, Share, Size, not_zero
 
 
 class SceneSettings(Profile):
@@ -60,6 +57,4 @@ class SceneSettings(Profile):
     @field_validator("up")
     @classmethod
     def _direction(cls, up: tuple[float, float, float] | None) -> tuple[float, float, float] | None:
-        if up is not None and math.hypot(*up) < 1e-6:
-            raise ValueError("must not be zero")
-        return up
+        return None if up is None else not_zero(up)

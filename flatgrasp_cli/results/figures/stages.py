@@ -49,6 +49,7 @@ PAIR_STAGES = {
     "variance": ("B.4", "the silhouette under the pads is even enough"),
     "operability": ("B.5", "open fingers have room beside the object, and their way to it is free"),
     "depth": ("B.5", "the fingers get deep enough beside the object to hold it, and touch nothing on the way down"),
+    "seen": ("B.5", "a finger comes to a side of the object that was seen"),
     "palm": ("B.5", "the palm stays clear of the object"),
 }
 """The sections of the paper that stages are from, or carry further, and what is true of the pairs that they keep."""

@@ -1,0 +1,77 @@
+"""Beyond the paper: from where hands come to what stands on a support plane, and in which order that is tried."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.model import ObjectCloud, OrientedBox
+from flatgrasp_cli.profiles.settings import ApproachSettings
+
+SAME_DEG = 5.0
+"""A direction that differs by less from straight down is that, degrees: hands are turned by as much by mistake."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Direction:
+    """A unit vector `toward` (3,) that a hand comes against, and what it follows from."""
+
+    toward: FloatArray
+    known_from: Literal["main_plane", "view", "tilt", "given"]
+
+
+def asked_of(cloud: ObjectCloud, settings: ApproachSettings) -> FloatArray | None:
+    """The unit vector (3,) against which the settings want hands to come to an object; None if there are several."""
+    if isinstance(settings.directions, tuple):
+        return -_unit(np.array(settings.directions))
+    if settings.directions == "view" and cloud.viewpoint is not None:
+        return _unit(cloud.viewpoint - cloud.points.mean(axis=0))
+    return None
+
+
+def rings(
+    cloud: ObjectCloud, across: FloatArray, own: OrientedBox | None, settings: ApproachSettings
+) -> Iterator[list[Direction]]:
+    """The directions other than straight down, in the order of trying them: those of one list are alike.
+
+    First come the sensor's view and the normal of the object's `own` box, then tilts around the support plane's normal.
+    The first of these are tilted along `across` (3,), a side of the object: then the ends of fingers that close along
+    that side, or across it, are parallel to the plane, and get as low as they can.
+    """
+    asked = asked_of(cloud, settings)
+    if settings.directions in ("auto", "any"):
+        yield from _all_around(cloud, across, own, settings)
+    elif asked is not None:
+        yield [Direction(asked, "view" if settings.directions == "view" else "given")]
+
+
+def _all_around(
+    cloud: ObjectCloud, across: FloatArray, own: OrientedBox | None, settings: ApproachSettings
+) -> Iterator[list[Direction]]:
+    """The directions of a search that was told none."""
+    if cloud.support is None:
+        return
+    normal = cloud.support.normal
+    first = [] if own is None else [Direction(own.frame.axes[2], "main_plane")]
+    if cloud.viewpoint is not None:
+        first.append(Direction(_unit(cloud.viewpoint - cloud.points.mean(axis=0)), "view"))
+    yield [each for each in first if SAME_DEG < tilt_deg(each.toward, normal) <= settings.max_tilt_deg]
+    turned = np.cross(normal, across)
+    turns = 2 * np.pi * np.arange(settings.around) / settings.around
+    for tilt in np.radians([each for each in settings.tilts_deg if each <= settings.max_tilt_deg]):
+        sides = [np.cos(turn) * across + np.sin(turn) * turned for turn in turns]
+        yield [Direction(np.cos(tilt) * normal + np.sin(tilt) * side, "tilt") for side in sides]
+
+
+def tilt_deg(toward: FloatArray, normal: FloatArray) -> float:
+    """How far from straight down on a plane with a unit `normal` (3,) hands against `toward` (3,) come, degrees."""
+    return float(np.degrees(np.arccos(np.clip(toward @ normal, -1.0, 1.0))))
+
+
+def _unit(vector: FloatArray) -> FloatArray:
+    """A vector (3,) of length 1 that points the same way."""
+    return np.asarray(vector / np.linalg.norm(vector))
