@@ -61,7 +61,7 @@ def main() -> int:
     args, options = parser.parse_args(sys.argv[1:split]), sys.argv[split + 1 :]
     differing = 0
     for path in args.clouds:
-        found = list(differences(*(documents(program, path, options) for program in (args.old, args.new))))
+        found = list(differences(documents(args.old, path, options), documents(args.new, path, options)))
         differing += bool(found)
         for where, old, new in found[:LISTED]:
             print(f"{path}{where}: {str(old)[:60]} → {str(new)[:60]}")

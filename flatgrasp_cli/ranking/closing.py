@@ -42,9 +42,9 @@ def closed(loops: Sequence[FloatArray], hands: OpenHands, gripper: Gripper, tole
     half, core = 0.5 * gripper.finger_width_m, (0.5 - RIM_SHARE) * gripper.finger_width_m
     tip = np.array([half, core, rim, gripper.finger_thickness_m - rim])
     seen = np.column_stack([hands.center, hands.axis, face])
-    (one_free, one_reach, one_slope), (other_free, other_reach, other_slope) = (
-        touched(points, edges, seen, side, np.array(offsets), tip, tolerance_m)
-        for side, offsets in zip((-1.0, 1.0), gripper.jaws, strict=True)
+    fingers = np.array([[jaw, offset] for jaw in (0, 1) for offset in gripper.jaws[jaw]])
+    (one_free, one_reach, one_slope), (other_free, other_reach, other_slope) = touched(
+        points, edges, seen, fingers, tip, tolerance_m
     )
     wedge = np.arctan(one_slope) + np.arctan(other_slope)  # inward normals, toward the same side
     return Closed(
