@@ -24,6 +24,10 @@ class ProfileError(FlatgraspError):
     """A gripper, robot or planner profile that is missing, malformed or out of range."""
 
 
+class InstallationError(FlatgraspError):
+    """An installation that cannot work."""
+
+
 class SourceError(FlatgraspError):
     """An input that cannot be read or holds no usable cloud."""
 

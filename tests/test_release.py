@@ -72,7 +72,7 @@ def test_the_version_is_that_of_the_newest_tag() -> None:
     done = subprocess.run(
         [sys.executable, "-m", "flatgrasp_cli", "--version"], capture_output=True, check=True, text=True
     )
-    assert done.stdout == f"flatgrasp {flatgrasp_cli.__version__}\n"
+    assert done.stdout == f"flatgrasp {flatgrasp_cli.__version__} (compiled)\n"
 
 
 def test_a_tree_that_was_not_installed_has_a_version_too(tmp_path: Path) -> None:
@@ -120,8 +120,16 @@ def test_every_python_that_ci_tries_is_one_that_the_project_takes() -> None:
 def test_nothing_is_published_that_was_not_checked() -> None:
     jobs = workflow("release.yml")["jobs"]
     assert jobs["ci"]["uses"] == "./.github/workflows/ci.yml"
-    assert set(jobs["publish"]["needs"]) == {"ci", "try"}
-    assert jobs["try"]["needs"] == "build"
+    assert set(jobs["publish"]["needs"]) == {"ci", "build", "try"}
+    assert jobs["try"]["needs"] == "wheels"
+
+
+def test_wheels_are_built_on_the_systems_and_for_the_pythons_that_ci_tries() -> None:
+    systems = set(workflow("release.yml")["jobs"]["wheels"]["strategy"]["matrix"]["os"])
+    assert systems == {"ubuntu-latest", "ubuntu-24.04-arm", "macos-latest", "windows-latest"}
+    tried = workflow("ci.yml")["jobs"]["unix"]["strategy"]["matrix"]["python"]
+    built = PROJECT["tool"]["cibuildwheel"]["build"]
+    assert built == [f"cp{version.replace('.', '')}-*" for version in tried]
 
 
 def test_a_commit_is_checked_by_what_ci_checks() -> None:

@@ -48,6 +48,7 @@ UNDERLYING = (
     Room("profiles", ("grippers, robots, settings:", "YAML, checked")),
     Room("model", ("the records", "that flow")),
     Room("geometry", ("numpy alone,", "no domain words")),
+    Room("kernels", ("inner loops, compiled:", "arrays in, arrays out")),
     Room("errors", ("what can go wrong,", "with its exit code")),
 )
 COMPOSING = Room("planning", ("plan(cloud, gripper, settings) → Plan: composes sensor, scene, planner and robot",))

@@ -77,8 +77,9 @@ class _LazyGroup(click.Group):
 def _say_version(context: click.Context, _parameter: click.Parameter, asked: bool) -> None:
     if asked and not context.resilient_parsing:
         from flatgrasp_cli import __version__
+        from flatgrasp_cli.kernels import STATE
 
-        click.echo(f"flatgrasp {__version__}")
+        click.echo(f"flatgrasp {__version__} ({STATE})")
         context.exit()
 
 

@@ -10,6 +10,7 @@ import click
 
 from flatgrasp_cli import __version__
 from flatgrasp_cli.cli.console import COLUMNS
+from flatgrasp_cli.kernels import STATE
 
 if TYPE_CHECKING:
     from flatgrasp_cli.installation import Package
@@ -25,7 +26,7 @@ def command() -> int:
     too. An extra that is not installed is no fault.
     """
     click.echo(f"flatgrasp {__version__}, Python {platform.python_version()}, {platform.system()} {platform.machine()}")
-    click.echo("kernels: numpy's and scipy's; none of our own are compiled")
+    click.echo(f"kernels: {STATE}")
     faults = []
     for part in (_packages, _self_test):
         try:

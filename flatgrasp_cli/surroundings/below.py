@@ -8,8 +8,8 @@ import numpy as np
 
 from flatgrasp_cli.funnel import Miss
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
-from flatgrasp_cli.geometry.polygon import in_frames, left_normal
+from flatgrasp_cli.geometry.height_map import HeightMap
+from flatgrasp_cli.kernels import below as kernels
 from flatgrasp_cli.model import GraspCandidates, OpenHands
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import HandSettings
@@ -17,8 +17,6 @@ from flatgrasp_cli.profiles.settings import HandSettings
 AT_CONTACT_M = 0.005
 """Closer to the pad than this, metres, a point of the object may be one that the pad rests on: two cells of the map and
 the silhouette's own uncertainty."""
-MAX_PAIRS = 200_000
-"""Hands × cells worked on at once: as many as stay in a processor's cache. A result does not depend on it."""
 SAME_M = 0.001
 """If what a finger meets would be lower by more than this, metres, without the object's own points, it is the object.
 It decides how a refusal is worded, and lies above rounding and below the height of anything."""
@@ -48,28 +46,11 @@ def under_fingers(
     `highest`.
     """
     cell = rest.cell_m
-    out = np.arange(0.5 * cell, float(margins.max()) + gripper.finger_thickness_m + cell, cell)
-    at_contact = np.searchsorted(out, AT_CONTACT_M)
-    middle, width, across = grasps.center, grasps.width, left_normal(grasps.axis)
-    reach = np.ceil((margins + gripper.finger_thickness_m) / cell).astype(np.intp) - 1
-    reach = np.maximum(np.minimum(reach, len(out) - 1), 0)
-    columns = np.arange(len(grasps))
-    found, hidden = np.full(margins.shape, UNSEEN), np.zeros(margins.shape)
-    across_finger = _steps(gripper.finger_width_m + 2 * clearance_m, cell)
-    for side, sign in ((0, -1.0), (1, 1.0)):
-        x = np.concatenate([offset + across_finger for offset in gripper.jaws[side]])
-        begin = middle + (sign * 0.5 * width)[:, None] * grasps.axis
-        x_of, y_of = (
-            (begin[:, k] + x[:, None] * across[:, k]).astype(np.float32)
-            + (sign * out[:, None] * grasps.axis[:, k]).astype(np.float32)[:, None]
-            for k in (0, 1)
-        )
-        cells = rest.raster.cells(x_of, y_of)  # (out, across, p)
-        heights = np.concatenate([rest.heights.take(cells[:at_contact]), highest.heights.take(cells[at_contact:])])
-        most = np.maximum.accumulate(heights.max(axis=1), axis=0)
-        dark = np.cumsum(np.add.reduce(heights == UNSEEN, axis=1, dtype=np.uint16), axis=0) * (cell / len(x))
-        found = np.maximum(found, most[reach, columns])
-        hidden += dark[reach, columns]
+    reach = np.maximum(np.ceil((margins + gripper.finger_thickness_m) / cell).astype(np.intp) - 1, 0)
+    at_contact = int(np.ceil(AT_CONTACT_M / cell - 0.5))
+    hands = np.column_stack([grasps.center, grasps.axis, 0.5 * grasps.width])
+    fingers = _places(gripper, gripper.finger_width_m + 2 * clearance_m, cell)
+    found, hidden = kernels.under_fingers(hands, fingers, reach, at_contact, rest.heights, highest.heights, _grid(rest))
     return found, hidden
 
 
@@ -79,17 +60,11 @@ def stops(hands: OpenHands, rest: HeightMap, coarse: HeightMap, gripper: Gripper
     Of a fingertip only the middle counts, half its width by half its thickness: what it meets with its rim it pushes
     aside, or is pushed aside by.
     """
-    across, cell = left_normal(hands.axis), rest.cell_m
-    aside = _steps(0.5 * gripper.finger_width_m, cell)
+    cell = rest.cell_m
+    fingers = _places(gripper, 0.5 * gripper.finger_width_m, cell)
     out = 0.5 * gripper.finger_thickness_m + _steps(0.5 * gripper.finger_thickness_m, cell)
-    heights = []
-    for sign, offsets in zip((-1.0, 1.0), gripper.jaws, strict=True):
-        x = np.concatenate([offset + aside for offset in offsets])
-        y = sign * (0.5 * hands.opening + out[:, None])  # (out, p)
-        places = [hands.center[:, k] + x[:, None, None] * across[:, k] + y * hands.axis[:, k] for k in (0, 1)]
-        heights.append(rest.over(*places).reshape(-1, len(hands)))
-    met = np.concatenate(heights)
-    highest, dark = met.max(axis=0), np.mean(met == UNSEEN, axis=0)
+    where = np.column_stack([hands.center, hands.axis, 0.5 * hands.opening])
+    highest, dark = kernels.under_tips(where, fingers, out, rest.heights, _grid(rest))
     long_m = gripper.finger_length_m
     lowest = float(hands.tip.min(initial=np.inf))
     palm = under_palm(hands, hands.opening[None], coarse, lowest + long_m, gripper)[0] - long_m
@@ -132,7 +107,7 @@ def under_palm(
     What is lower is not in its way. The hand above its fingers is the palm and the fingers' roots, which lie farther
     out the wider the fingers are open: each of p hands comes with m `openings` (m, p).
     """
-    highest, middle, axis = np.full(openings.shape, UNSEEN), grasps.center, grasps.axis
+    middle = grasps.center
     beside_m += 0.5 * chart.cell_m
     across = 0.5 * gripper.hand_width_m + beside_m
     along = 0.5 * breadth_m(gripper, openings) + beside_m
@@ -142,16 +117,18 @@ def under_palm(
     (left, low), (right, high) = middle.min(axis=0) - reach, middle.max(axis=0) + reach
     tall = tall[(x > left) & (x < right) & (y > low) & (y < high)]
     tall = tall[np.argsort(-tall[:, 2], kind="stable")]
-    if len(tall) == 0:
-        return highest  # fingers longer than anything here is high
-    for first in range(0, len(middle), size := max(1, MAX_PAIRS // len(tall))):
-        part = slice(first, first + size)
-        x, y = in_frames(tall[:, :2], middle[part], axis[part])
-        under = np.abs(x) <= across
-        for found, limit in zip(highest[:, part], along[:, part], strict=True):
-            inside = under & (np.abs(y) <= limit)
-            found[:] = np.where(inside.any(axis=0), tall[inside.argmax(axis=0), 2], UNSEEN)
-    return highest
+    return kernels.under_palm(np.column_stack([middle, grasps.axis]), tall, across, along)
+
+
+def _grid(chart: HeightMap) -> FloatArray:
+    """Where a map's cells begin, and their size (3,)."""
+    return np.append(chart.raster.origin, chart.cell_m)
+
+
+def _places(gripper: Gripper, width_m: float, cell_m: float) -> FloatArray:
+    """Jaw and offset across it (f, 2) of places, no more than a cell apart, all over fingers `width_m` wide."""
+    steps = _steps(width_m, cell_m)
+    return np.array([[jaw, at] for jaw in (0, 1) for offset in gripper.jaws[jaw] for at in (offset + steps).tolist()])
 
 
 def _steps(size: float, cell_m: float) -> FloatArray:

@@ -8,9 +8,7 @@ import pytest
 
 from flatgrasp_cli import load_gripper, load_settings, plan, to_document
 from flatgrasp_cli.geometry import arrays
-from flatgrasp_cli.ranking import closing
 from flatgrasp_cli.scene import clusters, strays
-from flatgrasp_cli.surroundings import below
 from tests.conftest import TABLE, Box, Camera
 
 SCENE = Camera(pixels=(160, 120), focal=230.0).sees(TABLE, Box((0.0, 0.0, 0.03), (0.12, 0.04, 0.06), 20))
@@ -26,8 +24,9 @@ def test_what_is_worked_on_at_once_does_not_matter(monkeypatch: pytest.MonkeyPat
     usual = document()
     assert usual["objects"][0]["grasps"]
     for module, name in (
-        *((arrays, "IN_CACHE"), (below, "MAX_PAIRS"), (clusters, "BLOCK"), (strays, "ROW")),
-        *((closing, "AT_ONCE"),),
+        (arrays, "IN_CACHE"),
+        (clusters, "BLOCK"),
+        (strays, "ROW"),
     ):
         monkeypatch.setattr(module, name, max(1, getattr(module, name) // 50))
     assert document() == usual

@@ -1,0 +1,160 @@
+"""What lies below the fingers and the palm of hands that come straight down: look-ups in height maps.
+
+A map holds the highest point in each cell, −∞ where there is none, as all along its rim; places outside are on the rim.
+"""
+
+from __future__ import annotations
+
+import math
+
+import cython
+import numpy as np
+from numpy.typing import NDArray
+
+UNSEEN = cython.declare(cython.double, -math.inf)
+
+
+@cython.cfunc
+@cython.inline
+def _cell(
+    place: cython.double, low: cython.double, cell_m: cython.double, count: cython.Py_ssize_t
+) -> cython.Py_ssize_t:
+    """The cell that holds a place, out of `count` from `low`."""
+    return cython.cast(cython.Py_ssize_t, min(max((place - low) / cell_m, 0.0), count - 1.0))
+
+
+def under_fingers(
+    hands: cython.double[:, ::1],
+    fingers: cython.double[:, ::1],
+    reach: cython.Py_ssize_t[:, ::1],
+    at_contact: cython.Py_ssize_t,
+    rest: cython.double[:, ::1],
+    highest: cython.double[:, ::1],
+    grid: cython.double[::1],
+) -> NDArray[np.float64]:
+    """Highest point, and length that no ray reached, metres, (2, m, p) below the fingers of p hands.
+
+    A hand (p, 5) is its centre, its closing axis and half the opening; `fingers` (f, 2) are the places across a jaw
+    that its fingers cover, each the jaw, 0 or 1, and its offset. From the pads outward the maps are looked up every
+    half cell and each cell from there, as often as `reach` (m, p) says and once more; the first `at_contact` times in
+    the map `rest`, then in the `highest`. Both maps are on the `grid` (3,): origin and cell.
+    """
+    hand: cython.Py_ssize_t
+    jaw: cython.Py_ssize_t
+    step: cython.Py_ssize_t
+    row: cython.Py_ssize_t
+    met: cython.double[::1] = np.empty(2)
+    found = np.full((2, reach.shape[0], reach.shape[1]), 0.0)
+    found[0] = -math.inf
+    answer: cython.double[:, :, ::1] = found
+    for hand in range(hands.shape[0]):
+        last: cython.Py_ssize_t = 0
+        for row in range(reach.shape[0]):
+            last = max(last, reach[row, hand])
+        for jaw in range(2):
+            most: cython.double = UNSEEN
+            dark_m: cython.double = 0.0
+            for step in range(last + 1):
+                out: cython.double = (step + 0.5) * grid[2] + hands[hand, 4]
+                heights: cython.double[:, ::1] = rest if step < at_contact else highest
+                _across(hands[hand], fingers, jaw, (2 * jaw - 1) * out, heights, grid, met)
+                most = max(most, met[0])
+                dark_m += grid[2] * met[1]
+                for row in range(reach.shape[0]):
+                    if reach[row, hand] == step:
+                        answer[0, row, hand] = max(answer[0, row, hand], most)
+                        answer[1, row, hand] += dark_m
+    return found
+
+
+@cython.cfunc
+def _across(
+    hand: cython.double[::1],
+    fingers: cython.double[:, ::1],
+    jaw: cython.Py_ssize_t,
+    along: cython.double,
+    heights: cython.double[:, ::1],
+    grid: cython.double[::1],
+    met: cython.double[::1],
+) -> cython.void:
+    """Write what a jaw's fingers meet `along` the closing axis: the highest point, and the share that is dark."""
+    place: cython.Py_ssize_t
+    count: cython.double = 0.0
+    dark: cython.double = 0.0
+    met[0] = UNSEEN
+    for place in range(fingers.shape[0]):
+        if fingers[place, 0] == jaw:
+            x: cython.double = hand[0] + along * hand[2] - fingers[place, 1] * hand[3]
+            y: cython.double = hand[1] + along * hand[3] + fingers[place, 1] * hand[2]
+            row: cython.Py_ssize_t = _cell(x, grid[0], grid[2], heights.shape[0])
+            column: cython.Py_ssize_t = _cell(y, grid[1], grid[2], heights.shape[1])
+            met[0] = max(met[0], heights[row, column])
+            dark += heights[row, column] == UNSEEN
+            count += 1.0
+    met[1] = dark / max(count, 1.0)
+
+
+def under_tips(
+    hands: cython.double[:, ::1],
+    fingers: cython.double[:, ::1],
+    out: cython.double[::1],
+    heights: cython.double[:, ::1],
+    grid: cython.double[::1],
+) -> NDArray[np.float64]:
+    """Highest point, metres, and share that no ray reached (2, p), below the middles of the fingertips of p hands.
+
+    Arguments are those of `under_fingers`; the map is looked up at the distances `out` (k,) from the pads.
+    """
+    hand: cython.Py_ssize_t
+    jaw: cython.Py_ssize_t
+    step: cython.Py_ssize_t
+    place: cython.Py_ssize_t
+    met: cython.double[::1] = np.empty(2)
+    share: cython.double[::1] = np.zeros(2)  # of all places, those of each jaw
+    for place in range(fingers.shape[0]):
+        share[1 if fingers[place, 0] == 1 else 0] += 1.0 / (fingers.shape[0] * out.shape[0])
+    found = np.empty((2, hands.shape[0]))
+    answer: cython.double[:, ::1] = found
+    for hand in range(hands.shape[0]):
+        most: cython.double = UNSEEN
+        dark: cython.double = 0.0
+        for jaw in range(2):
+            for step in range(out.shape[0]):
+                along: cython.double = (2 * jaw - 1) * (hands[hand, 4] + out[step])
+                _across(hands[hand], fingers, jaw, along, heights, grid, met)
+                most = max(most, met[0])
+                dark += share[jaw] * met[1]
+        answer[0, hand] = most
+        answer[1, hand] = dark
+    return found
+
+
+def under_palm(
+    hands: cython.double[:, ::1], tall: cython.double[:, ::1], across: cython.double, along: cython.double[:, ::1]
+) -> NDArray[np.float64]:
+    """Highest point (m, p) below palms that reach `across` and `along` (m, p) the closing axis to each side, metres.
+
+    A hand (p, 4) is its centre and its closing axis. `tall` (k, 3) are places and heights, the highest first: the
+    first one below a palm is what it meets; −∞ if there is none.
+    """
+    hand: cython.Py_ssize_t
+    row: cython.Py_ssize_t
+    index: cython.Py_ssize_t
+    left: cython.Py_ssize_t
+    found = np.full((along.shape[0], along.shape[1]), -math.inf)
+    answer: cython.double[:, ::1] = found
+    for hand in range(hands.shape[0]):
+        left = along.shape[0]
+        for index in range(tall.shape[0]):
+            dx: cython.double = tall[index, 0] - hands[hand, 0]
+            dy: cython.double = tall[index, 1] - hands[hand, 1]
+            if abs(dy * hands[hand, 2] - dx * hands[hand, 3]) > across:
+                continue
+            y: cython.double = abs(dx * hands[hand, 2] + dy * hands[hand, 3])
+            for row in range(along.shape[0]):
+                if answer[row, hand] == UNSEEN and y <= along[row, hand]:
+                    answer[row, hand] = tall[index, 2]
+                    left -= 1
+            if left == 0:
+                break
+    return found
