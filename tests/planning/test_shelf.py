@@ -17,8 +17,6 @@ BELOW, ON_BOARD = Box((0.05, 0.12, 0.05), (0.05, 0.05, 0.1)), Box((0.1, 0.1, 0.3
 FRONT = (Box((-0.1, -0.12, 0.04), (0.06, 0.1, 0.08), 20), Tube((0.15, -0.15, 0.05), 0.03, 0.1))
 CAMERA = Camera(tilt_deg=60, distance=0.9, target=(0.0, 0.05, 0.1), pixels=(400, 300), focal=400.0)
 SHELVES = pytest.mark.parametrize("shelf", [(BOARD,), (BOARD, BACK), (BOARD, BACK, SIDE)], ids=["board", "back", "all"])
-    "shelf", [(BOARD,), (BOARD, BACK), (BOARD, BACK, SIDE)], ids=["board", "back", "side"]
-)
 HANDS = pytest.mark.parametrize("name", ["pr2", "robotiq_2f_140"])
 
 
