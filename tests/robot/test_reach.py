@@ -257,8 +257,8 @@ def test_an_arm_that_the_formulas_do_not_fit_is_refused(old: str, new: str, word
 def test_a_hand_that_goes_back_first_needs_to_reach_its_lift_from_there() -> None:
     """Straight up from the grasp the arm would have to be longer; back at the pre-grasp pose it is long enough."""
     out = axes_from_quaternion(np.array([0.0, np.sqrt(0.5), 0.0, np.sqrt(0.5)]))  # along x
-    far = Motion(0.3, 0.5, UP, twin=False)
-    positions = np.array([[0.75, 0.1, 0.3]])
+    far = Motion(0.15, 0.2, UP, twin=False)
+    positions = np.array([[0.65, 0.1, 0.6]])
     (up,) = reach(UR5, positions, out[None], far)
     (back,) = reach(UR5, positions, out[None], replace(far, back_first=True))
     assert (up.ok, up.waypoint) == (False, "lift")
