@@ -22,6 +22,8 @@ SHORTCUTS = {
     "select": "scene.select",
     "up": "scene.up",
     "crop": "scene.crop",
+    "approach": "approach.directions",
+    "max_tilt": "approach.max_tilt_deg",
     "prefer": "ranking.prefer",
     "closing": "caging.closing",
     "require": "caging.require",

@@ -40,6 +40,17 @@ METHOD_OPTIONS = (
         help="Override a planner setting, e.g. --set fingers.step_m=0.004. Repeatable.",
     ),
 )
+APPROACH_OPTIONS = (
+    option(
+        "--approach",
+        metavar="auto|top|view|any|X,Y,Z",
+        help="From where the hand comes: straight down and, where that is not enough, from other sides (auto); "
+        "straight down; as the sensor looks; from whichever side is best; or along this vector of the answer's frame.",
+    ),
+    option(
+        "--max-tilt", metavar="DEGREES", help="The largest angle to straight down that the hand may come at; else 90."
+    ),
+)
 CAGE_OPTIONS = (
     option(
         "--prefer",
@@ -86,6 +97,7 @@ OPTIONS = (
         "places (merged clouds); else found, or assumed with a warning.",
     ),
     option("--crop", metavar="XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX", help="Region of interest in metres."),
+    *APPROACH_OPTIONS,
     *CAGE_OPTIONS,
     option(
         "--robot",
@@ -125,6 +137,7 @@ OPTIONS = (
 )
 NAMES = (
     *("gripper", "method", "given", "scene", "select", "up", "sensor", "crop", "prefer", "require", "closing"),
+    *("approach", "max_tilt"),
     *("robot", "camera_pose", "base_frame", "topic", "start", "end", "at", "every", "count", "strict"),
     *("intrinsics", "depth_unit", "depth_axes", "scale", "top", "verbose"),
 )

@@ -13,7 +13,13 @@ from flatgrasp_cli.cli.completion import complete_profile
 from flatgrasp_cli.cli.defaults import option
 from flatgrasp_cli.cli.imports import importing
 from flatgrasp_cli.cli.jobs import job_of
-from flatgrasp_cli.cli.planning_options import CAGE_OPTIONS, DEFAULTS_OPTIONS, METHOD_OPTIONS, SCALE_OPTION
+from flatgrasp_cli.cli.planning_options import (
+    APPROACH_OPTIONS,
+    CAGE_OPTIONS,
+    DEFAULTS_OPTIONS,
+    METHOD_OPTIONS,
+    SCALE_OPTION,
+)
 from flatgrasp_cli.errors import SourceError
 
 if TYPE_CHECKING:
@@ -82,10 +88,11 @@ OPTIONS = (
     ),
     click.option("--miss", callback=_miss, metavar="5mm,5deg", help="A hand that misses at random by as much (1 σ)."),
     SCALE_OPTION,
+    *APPROACH_OPTIONS,
     *CAGE_OPTIONS,
     *DEFAULTS_OPTIONS,
 )
-JOB = ("gripper", "method", "given", "prefer", "require", "closing", "verbose")
+JOB = ("gripper", "method", "given", "prefer", "require", "closing", "approach", "max_tilt", "verbose")
 CONDITIONS = ("mu", "force", "tilt_deg", "miss", "seed")
 
 

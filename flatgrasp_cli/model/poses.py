@@ -29,9 +29,11 @@ class Way:
     """How a grasp is carried out, by the frames of the fingertips, of the flange and of the hand's own mounting.
 
     They are rigid to each other: the `tips` are where closed fingers end, also while they are open. The `flange` is the
-    arm's `tool0`, z out of it; `hand` is None where the hand's own frame is the flange.
+    arm's `tool0`, z out of it; `hand` is None where the hand's own frame is the flange. If the
+    hand goes `back_first`, it is at the pre-grasp once more before it is lifted.
     """
 
     tips: Poses
     flange: Poses
     hand: Poses | None = None
+    back_first: bool = False

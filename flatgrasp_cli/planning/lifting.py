@@ -29,7 +29,7 @@ from flatgrasp_cli.profiles import Gripper, PlannerSettings, Robot
 from flatgrasp_cli.proof import Certificates
 from flatgrasp_cli.ranking import CAUSES, by_probability, differing
 from flatgrasp_cli.robot import Motion, Plane, flange_at, reach, way_to
-from flatgrasp_cli.surroundings import tilt_deg
+from flatgrasp_cli.surroundings import SAME_DEG, tilt_deg
 
 REACH_CANDIDATES = 500
 """The best grasps of an object that a robot is asked about: a third of a second."""
@@ -184,9 +184,13 @@ def _fingertips(grasps: GraspCandidates, plane: Frame) -> tuple[Pose, ...]:
 
 
 def _motion(cloud: ObjectCloud, plane: Frame, gripper: Gripper, settings: PlannerSettings) -> Motion:
-    """How the hand comes to an object, and goes: up from the support plane, or back from an object alone."""
+    """How the hand comes to an object, and goes: up from the support plane, or back from an object alone.
+
+    One that came aslant goes back first: only of that way is it known that nothing is in it.
+    """
     away = plane.axes[2] if cloud.support is None else cloud.support.normal
-    return Motion(settings.depth.approach_m, settings.depth.lift_m, away, gripper.symmetric)
+    aslant = tilt_deg(plane.axes[2], away) > SAME_DEG
+    return Motion(settings.depth.approach_m, settings.depth.lift_m, away, gripper.symmetric, back_first=aslant)
 
 
 def _reaches(

@@ -131,6 +131,7 @@ def _object(item: ObjectPlan, plan: Plan) -> ObjectPart:
         status="ok" if item.grasps else "no_grasp",
         reason=rejection.reason if rejection else None,
         remedy=remedy_of(plan, item),
+        why_not_top=item.why_not_top,
         nearest_miss=optional(_miss, rejection),
         obb=optional(_box, box),
         aabb=optional(_aabb, box),

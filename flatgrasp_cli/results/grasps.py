@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 from flatgrasp_cli.model import Grasp, Pose, Poses, Reach
 from flatgrasp_cli.profiles import Gripper
 from flatgrasp_cli.results.contracts.grasps import (
+    ApproachPart,
     GraspPart,
     JointsPart,
     MetricsPart,
@@ -37,6 +38,11 @@ def grasp_part(grasp: Grasp, gripper: Gripper) -> GraspPart:
         pose=pose_part(Pose(grasp.position, grasp.orientation)),
         pre_grasp=pose_part(grasp.pre_grasp),
         tilt_deg=number(grasp.tilt_deg),
+        approach=ApproachPart(
+            direction=numbers(grasp.approach.direction),
+            tilt_deg=number(grasp.approach.tilt_deg),
+            known_from=grasp.approach.known_from,
+        ),
         lift=pose_part(grasp.lift),
         flange=_poses(grasp.flange),
         hand=None if grasp.hand is grasp.flange else _poses(grasp.hand),

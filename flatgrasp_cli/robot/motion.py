@@ -20,13 +20,15 @@ class Motion:
     """How a grasp is carried out.
 
     The hand comes `approach_m` along its z axis, then moves `lift_m` along `lift_direction` (3,), a unit vector in the
-    frame of the grasp. `twin` says whether the hand may as well be turned by 180° about its z axis.
+    frame of the grasp. `twin` says whether the hand may as well be turned by 180° about its z axis, `back_first` that
+    it goes back the way it came before that: what it came in below is still above it.
     """
 
     approach_m: float
     lift_m: float
     lift_direction: FloatArray
     twin: bool
+    back_first: bool = False
 
 
 def flange_at(tips: Pose, width_m: float, gripper: Gripper) -> Pose:
@@ -43,6 +45,7 @@ def way_to(tips: Pose, width_m: float, gripper: Gripper, motion: Motion, *, twin
     """
     approach = axes_from_quaternion(tips.orientation)[2]
     before, after = motion.approach_m * approach, motion.lift_m * motion.lift_direction
+    after = after - before if motion.back_first else after
     twin_deg = 180.0 if twin else 0.0
 
     def poses(at: Pose, turn_deg: float) -> Poses:
@@ -59,4 +62,5 @@ def way_to(tips: Pose, width_m: float, gripper: Gripper, motion: Motion, *, twin
         tips=poses(tips, 0.0),
         flange=poses(flange, twin_deg),
         hand=poses(mounting, twin_deg) if gripper.adapter_m or gripper.mounted_deg else None,
+        back_first=motion.back_first,
     )

@@ -60,6 +60,7 @@ class _Follower:
 
     def __init__(self, robot: Robot, motion: Motion, table: Plane | None) -> None:
         self.arm, self.settings, self.approach_m = arm_of(robot), robot.reach, motion.approach_m
+        self.back_first = motion.back_first
         self.twin = motion.twin and self.arm.turns_the_flange
         self.lift = self.arm.in_own_base(motion.lift_m * motion.lift_direction)
         self.lower, self.upper, self.reference = (
@@ -88,7 +89,9 @@ class _Follower:
         steps = self.settings.steps
         share = np.linspace(0.0, 1.0, steps + 1)[:, None, None]
         back = flange - (1 - share) * self.approach_m * axes[:, 2]
-        waypoints = np.concatenate([back, flange + share[1:] * self.lift])
+        returned = back[-2::-1] if self.back_first else back[:0]
+        lifted = (back[0] if self.back_first else flange) + share[1:] * self.lift
+        waypoints = np.concatenate([back, returned, lifted])
         path = self.arm.paths(waypoints, axes)
         turn = np.diff(path, axis=2)
         turn -= 2 * np.pi * np.round(turn / (2 * np.pi))
@@ -129,7 +132,7 @@ class _Follower:
         least = float(ability.min())
         return Reach(
             ok=True,
-            joints_rad=(path[:, :: self.settings.steps] + turns[:, None] * self.period[:, :, 0, 0]).T,
+            joints_rad=(path[:, [0, self.settings.steps, -1]] + turns[:, None] * self.period[:, :, 0, 0]).T,
             manipulability=least,
             manipulability_share=least / self.arm.most_manipulability,
             twin=self.twin and bool(turns[-1] % 2),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -33,12 +34,23 @@ Outcome = Literal["held", "lost", "collision"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Order:
-    """A grasp to carry out: the palm's poses at pre-grasp, grasp and lift, and how far open the hand comes."""
+    """A grasp to carry out: the palm's poses at pre-grasp, grasp and lift, and how far open the hand comes.
+
+    If it goes `back_first`, the hand is at the pre-grasp pose again before it is lifted.
+    """
 
     pre_grasp: Pose
     grasp: Pose
     lift: Pose
     opening_m: float
+    back_first: bool = False
+
+    @property
+    def way_up(self) -> list[Pose]:
+        """The way from the grasp to the lift."""
+        if not self.back_first:
+            return _straight(self.grasp, self.lift)
+        return [*_straight(self.grasp, self.pre_grasp), *_straight(self.pre_grasp, self.lift)[1:]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,10 +74,10 @@ def execute(world: World, order: Order) -> Execution:
     """Carry out a grasp by the hand of a world that is at its pre-grasp pose, open as ordered."""
     start = world.centers()
     way_in = world.carrier.controls(_straight(order.pre_grasp, order.grasp))
-    way_up = world.carrier.controls(_straight(order.grasp, order.lift), way_in[-1])
+    way_up = world.carrier.controls(order.way_up, way_in[-1])
     if np.isnan(way_in).any() or np.isnan(way_up).any():
         return _ended("lost", OUT_OF_REACH)
-    touched = world.touched() | world.ease(way_in, _seconds(world, order.pre_grasp, order.grasp, way_in))
+    touched = world.touched() | world.ease(way_in, _seconds(world, _straight(order.pre_grasp, order.grasp), way_in))
     pushed_m = float(np.linalg.norm(world.centers() - start, axis=1).max())
     clean, hit = not touched, _hit(world, order, touched)
     if hit is not None:
@@ -74,7 +86,7 @@ def execute(world: World, order: Order) -> Execution:
     world.follow(at_grasp, hand.seconds, (hand.control(order.opening_m), hand.closed))
     world.follow(at_grasp, HOLD_S)
     grip = _Grip(world, order)
-    world.ease(way_up, _seconds(world, order.grasp, order.lift, way_up))
+    world.ease(way_up, _seconds(world, order.way_up, way_up))
     came_up = grip.held()
     shaken = world.carrier.controls(_shaken(order.lift))
     if not np.isnan(shaken).any():  # an arm that is stretched cannot shake
@@ -139,9 +151,10 @@ def _shaken(lift: Pose) -> list[Pose]:
     return [Pose(lift.position + shift, lift.orientation) for shift in shifts]
 
 
-def _seconds(world: World, begin: Pose, end: Pose, controls: FloatArray) -> float:
-    """How long a straight way takes: an easy start and end make the middle half as fast again as the mean."""
-    return max(1.5 * float(np.linalg.norm(end.position - begin.position)) / SPEED_M_S, world.carrier.seconds(controls))
+def _seconds(world: World, way: list[Pose], controls: FloatArray) -> float:
+    """How long a way takes: an easy start and end make the middle half as fast again as the mean."""
+    long_m = sum(float(np.linalg.norm(b.position - a.position)) for a, b in pairwise(way))
+    return max(1.5 * long_m / SPEED_M_S, world.carrier.seconds(controls))
 
 
 def _hit(world: World, order: Order, touched: set[Touch]) -> str | None:

@@ -198,7 +198,13 @@ def carried_out(cell: Cell, world: World, look: Look, rng: np.random.Generator, 
         return Pose(at.position, turned_about_z(at.orientation, twin))
 
     tips = grasp.way.tips
-    order = Order(palm(tips.pre_grasp), palm(tips.pose), palm(tips.lift), grasp.opening_m)
+    order = Order(
+        pre_grasp=palm(tips.pre_grasp),
+        grasp=palm(tips.pose),
+        lift=palm(tips.lift),
+        opening_m=grasp.opening_m,
+        back_first=grasp.way.back_first,
+    )
     joints = None if grasp.reach is None else grasp.reach.joints_rad
     hit = go_to(world, order, cell.parked(look), None if joints is None else joints[0])
     return hit or execute(world, order)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from flatgrasp_cli import load_robot
 from flatgrasp_cli.errors import ProfileError
 from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.frames import axes_from_quaternion
 from flatgrasp_cli.profiles import profile_path
 from flatgrasp_cli.profiles.robot import Robot
 from flatgrasp_cli.robot import (
@@ -250,3 +252,16 @@ def test_an_arm_that_the_formulas_do_not_fit_is_refused(old: str, new: str, word
     path.write_text(text.replace(old, new), encoding="utf-8")
     with pytest.raises(ProfileError, match=words):
         load_robot(str(path))
+
+
+def test_a_hand_that_goes_back_first_needs_to_reach_its_lift_from_there() -> None:
+    """Straight up from the grasp the arm would have to be longer; back at the pre-grasp pose it is long enough."""
+    out = axes_from_quaternion(np.array([0.0, np.sqrt(0.5), 0.0, np.sqrt(0.5)]))  # along x
+    far = Motion(0.15, 0.2, UP, twin=False)
+    positions = np.array([[0.65, 0.1, 0.6]])
+    (up,) = reach(UR5, positions, out[None], far)
+    (back,) = reach(UR5, positions, out[None], replace(far, back_first=True))
+    assert (up.ok, up.waypoint) == (False, "lift")
+    assert back.ok
+    assert back.joints_rad is not None
+    assert len(back.joints_rad) == 3

@@ -187,3 +187,13 @@ def test_a_turn_about_z_is_scipys(seed: int, angle_deg: float) -> None:
     assert turned[3] >= 0
     expected = before * Rotation.from_euler("z", angle_deg, degrees=True)
     assert matrix(turned) == pytest.approx(expected.as_matrix(), abs=1e-12)
+
+
+def test_a_hand_that_came_aslant_goes_back_before_it_goes_up() -> None:
+    """From the front, along x: it ends 10 cm before where it gripped, and 8 cm higher."""
+    tips = Pose(np.array([0.4, 0.2, 0.1]), np.array([0.0, np.sqrt(0.5), 0.0, np.sqrt(0.5)]))
+    motion = Motion(0.10, 0.08, UP, twin=True, back_first=True)
+    way = way_to(tips, 0.04, load_gripper("wsg_50"), motion, twin=False)
+    assert way.back_first
+    assert way.tips.pre_grasp.position == pytest.approx([0.3, 0.2, 0.1])
+    assert way.tips.lift.position == pytest.approx([0.3, 0.2, 0.18])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from flatgrasp_cli.results.contracts.base import JointAngles, Number, Part, Vector3, Vector4
 
 
@@ -182,6 +184,18 @@ class CagePart(Part):
     """How far the hand may miss; null without a cage."""
 
 
+class ApproachPart(Part):
+    """Which way the hand comes."""
+
+    direction: Vector3
+    """The unit vector along which it comes: the z axis of `pose`."""
+    tilt_deg: Number
+    """How far that is from straight down on the support plane, degrees; 0 for an object alone."""
+    known_from: Literal["top", "main_plane", "view", "tilt", "given"]
+    """What it follows from: straight down on the support plane, the normal of the object's own box, the sensor's view,
+    one of the tilts of `settings.approach`, or what was asked for."""
+
+
 class GraspPart(Part):
     """One grasp, by the fingertips' frame and by the flange's.
 
@@ -203,8 +217,11 @@ class GraspPart(Part):
     """The fingertips' frame before the grasp, `settings.depth.approach_m` back along the approach."""
     tilt_deg: Number
     """How far from straight down on the support plane the hand comes, degrees; 0 for an object alone."""
+    approach: ApproachPart
+    """Which way the hand comes, and why that."""
     lift: PosePart
-    """The fingertips' frame after the grasp, `settings.depth.lift_m` up from the support plane or, without, back."""
+    """The fingertips' frame after the grasp, `settings.depth.lift_m` up from the support plane or, without, back. A
+    hand that came aslant goes back to `pre_grasp` first, and from there up to this."""
     flange: PosesPart
     """The frame of the robot's flange (`tool0`, z out of it): what to drive to."""
     hand: PosesPart | None

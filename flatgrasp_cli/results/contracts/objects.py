@@ -109,6 +109,8 @@ class ObjectPart(Part):
     """Why it has none."""
     remedy: str | None
     """What would help, where that is known."""
+    why_not_top: str | None
+    """Why the hand of its grasps comes from elsewhere than straight above, where it looked there first."""
     nearest_miss: MissPart | None
     """By how much it has none; null when it has one."""
     obb: BoxPart | None

@@ -17,9 +17,10 @@ from flatgrasp_cli.results.figures.close import draw_close
 from flatgrasp_cli.results.figures.marks import sensor_in_words
 from flatgrasp_cli.results.figures.page import Page
 from flatgrasp_cli.results.figures.scene import draw_scene, picked
-from flatgrasp_cli.results.figures.style import MM, NO_BREAK, counted, in_numbers, numbered
+from flatgrasp_cli.results.figures.side import draw_side
+from flatgrasp_cli.results.figures.style import ASLANT_DEG, MM, NO_BREAK, counted, in_numbers, numbered
 from flatgrasp_cli.results.success import holds_in_words
-from flatgrasp_cli.results.view import middle_of, normal_of, view_of
+from flatgrasp_cli.results.view import View, middle_of, normal_of, view_of
 
 REASONS = 3
 """Objects without a grasp of which the caption says why."""
@@ -28,15 +29,19 @@ REASONS = 3
 def final_figure(plan: Plan) -> Figure:
     """The best grasp close by; of a scene beside a view of all its objects, and of a robot with its arm."""
     normal, scene, close, arm = normal_of(plan), plan.scene.support is not None, bool(plan.objects), has_arm(plan)
+    support = plan.scene.support if plan.best is not None and plan.best.tilt_deg > ASLANT_DEG else None
     view = view_of(plan, normal)
     source = replace(plan.cloud.source, path=Path(plan.cloud.source.path).name)
-    page = Page(f"{source} · {plan.gripper.description}", max(1, scene + close + arm))
+    panels = scene + close + (support is not None) + arm
+    page = Page(f"{source} · {plan.gripper.description}", max(1, panels))
     if scene:
         draw_scene(page.panel(f"from above: {counted(len(plan.objects), 'object')} on a support plane"), plan, view)
     if close:
         item = plan.objects[0]
         axes = page.panel(f"object {item.object.id}{_level(item)}")
-        draw_close(axes, plan, item, view, places=not scene)
+        draw_close(axes, plan, item, _along_approach(plan, item, view), places=not scene)
+        if support is not None:
+            draw_side(page.panel(f"object {item.object.id} from the side"), plan, item, support)
     if arm:
         draw_arm(page.panel(f"{plan.robot.name if plan.robot else ''} in its frame", solid=True), plan)
     if not scene and not close:
@@ -44,13 +49,18 @@ def final_figure(plan: Plan) -> Figure:
     return page.finish(_caption(plan, normal))
 
 
+def _along_approach(plan: Plan, item: ObjectPlan, view: View) -> View:
+    """The view of an object as its silhouette was taken: as the hand comes."""
+    return view if item.silhouette is None else view_of(plan, item.silhouette.frame.axes[2])
+
+
 def _level(item: ObjectPlan) -> str:
     level = item.level_m
-    return " in its main plane" if level is None else f": silhouette of what is higher than {MM * level:.0f} mm"
-
-
-ASLANT_DEG = 0.5
-"""A hand that is tilted by less comes straight down, but for rounding."""
+    if level is None:
+        return " in its main plane"
+    if item.grasps and item.grasps[0].tilt_deg > ASLANT_DEG:
+        return " as the hand comes"
+    return f": silhouette of what is higher than {MM * level:.0f} mm"
 
 
 def _caption(plan: Plan, normal: FloatArray) -> list[tuple[str, str]]:
@@ -90,6 +100,7 @@ def _where(plan: Plan, best: Grasp) -> str:
     rows = [f"the fingertips end at {_place(best.position)} in {plan.cloud.frame_name!r}, coming along {approach}"]
     if best.tilt_deg > ASLANT_DEG:
         rows.append(f"{best.tilt_deg:.0f}° from straight down")
+        rows.extend(f"not straight down, for {why}" for why in (plan.objects[0].why_not_top,) if why)
     if best.tip_height_m is not None and best.grip_m is not None:
         over = "over the deepest that was seen of the object" if best.tilt_deg > ASLANT_DEG else "above the plane"
         rows.append(f"{MM * best.tip_height_m:.1f} mm {over}, where the pads cover {MM * best.grip_m:.1f} mm")

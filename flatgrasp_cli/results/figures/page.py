@@ -62,6 +62,9 @@ LAYOUTS = {
     1: Layout((Cell(0, 0, 6.9, 6.2),), columns=1, beside=True),
     2: Layout((Cell(0, 0, 5, 5), Cell(5, 0, 5, 5)), columns=3, beside=False),
     3: Layout((Cell(0, 0, 5, 4.4), Cell(5, 0, 5, 4.4), Cell(0, 4.4, 4.1, 3.6)), columns=2, beside=True),
+    4: Layout(
+        tuple(Cell(5 * column, 4.4 * row, 5, 4.4) for row in (0, 1) for column in (0, 1)), columns=3, beside=False
+    ),
     6: Layout(
         tuple(Cell(10 / 3 * column, 3.3 * row, 10 / 3, 3.3) for row in (0, 1) for column in (0, 1, 2)),
         columns=3,

@@ -12,6 +12,7 @@ from flatgrasp_cli.results.figures.labels import Label, put
 from flatgrasp_cli.results.figures.marks import draw_places, draw_triad
 from flatgrasp_cli.results.figures.page import show
 from flatgrasp_cli.results.figures.style import (
+    ASLANT_DEG,
     BLACK,
     BLUE,
     GREEN,
@@ -83,7 +84,8 @@ def _draw_object(axes: Axes, plan: Plan, k: int, view: View) -> Label:
     best = bool(item.grasps) and item.grasps[0] is plan.best
     parts = [thinned(view.of_world(item.object.points))]
     silhouette = item.silhouette
-    for loop in silhouette.loops if silhouette else ():
+    aslant = bool(item.grasps) and item.grasps[0].tilt_deg > ASLANT_DEG
+    for loop in silhouette.loops if silhouette and not aslant else ():
         drawn = view.of_plane(silhouette.frame, closed(loop))  # type: ignore[union-attr]
         axes.plot(drawn[:, 0], drawn[:, 1], color=BLACK, lw=0.9, zorder=3)
     if item.grasps:

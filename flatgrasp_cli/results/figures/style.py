@@ -27,6 +27,8 @@ Scalar = TypeVar("Scalar", bound=np.generic)
 BLACK, GREY, PALE = "#000000", "#7f7f7f", "#c8c8c8"
 ORANGE, SKY, GREEN, BLUE, RED, PURPLE = "#E69F00", "#56B4E9", "#009E73", "#0072B2", "#D55E00", "#CC79A7"
 
+ASLANT_DEG = 0.5
+"""A hand that is tilted by less comes straight down, but for rounding."""
 MM = 1e3
 NO_BREAK = "\N{NO-BREAK SPACE}"
 DPI = 120
