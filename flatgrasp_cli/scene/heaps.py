@@ -22,9 +22,12 @@ INSIDE_SHARE = 0.5
 """Least share of a thing in a bin that lies over its inside: walls are outside, but for their feet."""
 
 
-LONGEST_WHOLE_M = 0.3
-"""Pieces that touch and are together no longer than this, metres, may be one object, as a hammer's head and handle are:
+LONGEST_WHOLE_M = 0.35
+"""Pieces that touch and are together no longer than this, metres, may be one object, as a drill's body and handle are:
 hardly a tool that a hand carries is longer."""
+NECK_SIDES = 2
+"""Of a neck or a handle so many sides are seen at once, at most, each as wide as the least part: pieces that may be one
+object and meet along a line no longer than that are one."""
 
 Piece = tuple[IntArray, int | None]
 """The indices of an object's points, and the cluster that it was parted from."""
@@ -150,11 +153,11 @@ class Heap:
         if self._is_small(rows, 2):
             return [rows] if len(rows) else []
         least_m = self.settings.least_part_m
-        compact = _length_m(self.points[rows]) <= LONGEST_WHOLE_M
+        may_be_one = self._width_m(rows) <= LONGEST_WHOLE_M
         limits = Limits(
             seam_deg=self.settings.seam_deg,
             least_m=least_m,
-            neck_m=least_m if compact else 0.0,
+            neck_m=NECK_SIDES * least_m if may_be_one else 0.0,
             seam_color=self.settings.seam_color,
         )
         surface = Surface(
@@ -168,6 +171,13 @@ class Heap:
         names = pieces(surface, limits)
         order = np.argsort(names, kind="stable")
         return np.split(rows[order], np.flatnonzero(np.diff(names[order])) + 1)
+
+    def _width_m(self, rows: IntArray) -> float:
+        """Diameter of the circle around points as seen from above."""
+        _, radius = cv2.minEnclosingCircle(
+            self.clusters.floor.frame.to_local(self.points[rows])[:, :2].astype(np.float32)
+        )
+        return 2 * radius
 
     def _standing_out(self, rows: IntArray) -> list[IntArray]:
         """The pieces of a floor's or a wall's own points above the plane, without the ripple scattered around them."""

@@ -53,6 +53,23 @@ class TestParts:
         off = [np.mean(distance(block, item.points) > 2 * MM) for item in objects]
         assert sorted(share > 0.1 for share in off)[:2] == [False, True]
 
+    def drill(self, scale: float) -> tuple[Box, ...]:
+        """A body, a handle and a battery on a table, 26 by 20 cm if the scale is 1; the handle is 30 by 40 mm thick."""
+        sizes = ((0.26, 0.06, 0.05), (0.03, 0.10, 0.04), (0.10, 0.045, 0.05))
+        places = ((0.0, 0.0, 0.025), (-0.04, -0.08, 0.02), (-0.04, -0.1475, 0.025))
+        return tuple(
+            Box((scale * x, scale * y, z), (scale * long if long > 0.05 else long, scale * wide, high))
+            for (x, y, z), (long, wide, high) in zip(places, sizes, strict=True)
+        )
+
+    @pytest.mark.parametrize("tilt", [10, 20, 30])
+    def test_what_a_handle_joins_is_one_thing(self, tilt: float) -> None:
+        """Of a handle the top and one side are seen: a line that is twice as long as a handle is thick goes round it."""
+        assert len(scene_of(Camera(tilt_deg=tilt).sees(TABLE, *self.drill(1.0))).objects) == 1
+
+    def test_unless_it_is_longer_than_tools_are(self) -> None:
+        assert len(scene_of(Camera(tilt_deg=20).sees(TABLE, *self.drill(1.6))).objects) > 1
+
 
 def rippled(cloud: Cloud, middle: tuple[float, float], size_m: float, height_m: float) -> Cloud:
     """The cloud with all points of the table in a square lifted by a height."""

@@ -71,8 +71,8 @@ def pieces(surface: Surface, limits: Limits) -> IntArray:
         if np.count_nonzero(np.bincount(names.ravel())[1:]) < 2:
             return np.ones(len(surface.points), dtype=np.intp)
         names = _flooded(grid, names, normals)
-    names = _over_necks(grid, _nearest(names), limits.neck_m)
-    return np.asarray(grid.of_points(held_together(grid, names)))
+    names = _over_necks(grid, held_together(grid, _nearest(names)), limits.neck_m)
+    return np.asarray(grid.of_points(names))
 
 
 def _over_necks(grid: ViewGrid, names: IntArray, neck_m: float) -> IntArray:
