@@ -64,7 +64,7 @@ class TestParts:
 
     @pytest.mark.parametrize("tilt", [10, 20, 30])
     def test_what_a_handle_joins_is_one_thing(self, tilt: float) -> None:
-        """Of a handle the top and one side are seen: a line that is twice as long as a handle is thick goes round it."""
+        """Of a handle the top and one side are seen: together they are twice as wide as it is thick."""
         assert len(scene_of(Camera(tilt_deg=tilt).sees(TABLE, *self.drill(1.0))).objects) == 1
 
     def test_unless_it_is_longer_than_tools_are(self) -> None:
