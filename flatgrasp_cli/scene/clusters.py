@@ -18,10 +18,8 @@ from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.cells import LEVEL_WINDOW_M, SortedPoints, fitting_cell_m, smoothed
 from flatgrasp_cli.scene.masks import ends_of, hull_of, span_of
 from flatgrasp_cli.scene.strays import lonely
-from flatgrasp_cli.scene.support_plane import MAD_TO_SIGMA
+from flatgrasp_cli.scene.support_plane import MAD_TO_SIGMA, SIGMAS
 
-PLANE_SIGMAS = 3.0
-"""Standard deviations of a point's noise within which a height is the plane's own: 99.7 % of them are."""
 POINT_SIGMAS = 2.5
 """Standard deviations by which a point, or the mean of a cell, must stand out of the plane: 0.6 % of the plane's own
 do."""
@@ -88,10 +86,10 @@ class Clusters:
 def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettings) -> Clusters | None:
     """The objects among `points` (n, 3) on `plane`, largest first; None if no cell shows the plane itself."""
     frame = frame_on_plane(plane.normal, plane.offset_m)
-    found, heights = _sorted(points, frame, _raster(points, frame, plane.noise_m), -PLANE_SIGMAS * plane.noise_m)
+    found, heights = _sorted(points, frame, _raster(points, frame, plane.noise_m), -SIGMAS * plane.noise_m)
     total = found.total(heights)
     own = total / np.maximum(found.count, 1)
-    table = _broad((found.count > 0) & (np.abs(own) < PLANE_SIGMAS * plane.noise_m), found.raster.cell_m)
+    table = _broad((found.count > 0) & (np.abs(own) < SIGMAS * plane.noise_m), found.raster.cell_m)
     if not table.any():
         return None
     standing = _standing(found, own, table, plane.noise_m, settings)
@@ -117,7 +115,7 @@ def _raster(points: FloatArray, frame: Frame, noise_m: float) -> Raster:
     """A raster of the plane and a margin around it, as far as there are points, laid out by an even sample of them."""
     chosen = spread_indices(len(points), GRID_SAMPLE)
     x, y, heights = frame.to_local(points[chosen]).T
-    flat = np.abs(heights) < PLANE_SIGMAS * noise_m
+    flat = np.abs(heights) < SIGMAS * noise_m
     sides = [(x, x[flat]), (y, y[flat])]
     low = np.array([max(every_one.min(), own.min() - MARGIN_M) for every_one, own in sides])
     high = np.array([min(every_one.max(), own.max() + MARGIN_M) for every_one, own in sides])

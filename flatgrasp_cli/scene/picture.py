@@ -16,14 +16,14 @@ EDGE_M = 0.05
 """Nearer to the table's edge, metres, a hand stands half beyond it, and things are what the table ends with."""
 EDGE_PX = 4.0
 """So near to the picture's edge, in pixels, what goes on ends: sensors drop the outermost one or two."""
-STRETCHES, LEAST_STRETCHES = 16, 8
-"""The picture ends along a straight line. Of so many stretches of a side this many hold points, at least, or what lies
-there is the end of a table, or of a thing that stands out."""
+STRETCHES = 16
+"""The picture ends along a straight line. Of so many stretches of a side most hold points, or what lies there is the end
+of a table, or of a thing that stands out."""
 MARGIN_SHARE = 0.07
 """Of an image's width and height sensors leave this much empty at a side: stereo cameras up to 0.06."""
 LEAST_POINTS = 8
-SAMPLE, TURN_STRIDE = 6_000, 4
-"""Points of a picture that tell where it ends: some 50 lie along each side; and which of them tell how it is turned."""
+SAMPLE = 6_000
+"""Points of a picture that tell where it ends: some 50 lie along each side."""
 
 
 def cut_off(cloud: Cloud, viewpoint: FloatArray, members: tuple[IntArray, ...], spacing_m: float) -> tuple[bool, ...]:
@@ -41,7 +41,7 @@ def cut_off(cloud: Cloud, viewpoint: FloatArray, members: tuple[IntArray, ...], 
     else:
         x, y, depth = image_of(cloud.points[np.concatenate([sample, rows])], viewpoint)
         both = np.column_stack([x, y]) * (float(np.median(depth)) / spacing_m)
-        _, _, turn = cv2.minAreaRect(cv2.convexHull(both[: len(sample) : TURN_STRIDE].astype(np.float32)))
+        _, _, turn = cv2.minAreaRect(cv2.convexHull(both[: len(sample)].astype(np.float32)))
         c, s = np.cos(np.radians(turn)), np.sin(np.radians(turn))
         picture, own = np.split(both @ np.array([[c, -s], [s, c]]), [len(sample)])
         limits = np.full(2, np.inf), np.full(2, -np.inf)
@@ -73,7 +73,7 @@ def _at_edge(picture: FloatArray, own: FloatArray, limits: tuple[FloatArray, Flo
         along = np.floor((picture[:, 1 - axis] - low[1 - axis]) / (high - low + 1)[1 - axis] * STRETCHES)
         for end, is_side in ((low[axis], low[axis] <= limits[0][axis]), (high[axis], high[axis] >= limits[1][axis])):
             held = np.bincount(along[_near(picture[:, axis], end)].astype(np.intp), minlength=STRETCHES)
-            if is_side and np.count_nonzero(held) >= LEAST_STRETCHES:
+            if is_side and 2 * np.count_nonzero(held) >= STRETCHES:
                 found |= _near(own[:, axis], end)
     return found
 

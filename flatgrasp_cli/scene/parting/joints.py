@@ -18,9 +18,8 @@ ODD_SHARE = 0.05
 """Share of a piece's cells beyond its lower and its upper end: those at an edge also hold points of what is behind."""
 HELD_M = 0.005
 """A piece that touches another one so much higher than where it ends does not lie on that: a handle, and no lid."""
-ENCLOSED, ONE_SIDED = 0.5, 0.9
-"""Least share of a hollow's edge at which anything was seen, and of that share that belongs to one piece: a rim may
-hide what is close behind it, and its own inside is lost where it is steep."""
+ONE_SIDED = 0.9
+"""Least share of what was seen at a hollow's edge that belongs to one piece."""
 COVERED = 0.2
 """Share of a piece's edge that may be hidden behind something nearer before nobody knows how it goes on."""
 
@@ -75,7 +74,8 @@ def _around(borders: _Borders, name: int, middle: FloatArray, high: FloatArray) 
     """The piece that stands around the one called `name`, higher than it; None if there is none."""
     edge, met = borders.edge[name], borders.met[name]
     other = int(met.argmax())
-    enclosed = met.sum() >= ENCLOSED * edge and met[other] >= ONE_SIDED * met.sum()
+    # a rim may hide what is close behind it, and its own inside is lost where it is steep
+    enclosed = 2 * met.sum() >= edge and met[other] >= ONE_SIDED * met.sum()
     deeper = middle[name] < borders.own[name] / edge and high[name] < high[other]
     return other if enclosed and deeper else None
 

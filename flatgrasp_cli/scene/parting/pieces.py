@@ -22,8 +22,6 @@ CORE_CELLS = 6
 """Cells of a piece, at least, that lie in no seam: fewer may be noise."""
 LEAST_CELLS = 30
 """Cells of a piece, at least: of fewer most lie at its own edge, where normals are poor."""
-MOST_FLOODS = 100
-"""Cells in a row that a seam may be wide."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,7 +142,7 @@ def _flooded(grid: ViewGrid, names: IntArray, normals: FloatArray) -> IntArray:
     flat, turned = names.ravel().copy(), normals.reshape(3, -1).copy()
     sides = [(down * names.shape[1] + right, grid.smooth_to((down, right)).ravel()) for down, right in SIDES]
     waiting = np.flatnonzero(grid.known.ravel() & (flat == 0))
-    for _ in range(MOST_FLOODS):
+    while True:
         nearest, least = np.full(len(waiting), -1), np.full(len(waiting), np.inf)
         for offset, smooth in sides:
             there = waiting + offset
@@ -153,8 +151,7 @@ def _flooded(grid: ViewGrid, names: IntArray, normals: FloatArray) -> IntArray:
             nearest[closer], least[closer] = there[closer], off[closer]
         joined = nearest >= 0
         if not joined.any():
-            break
+            return flat.reshape(names.shape)
         own, from_there = waiting[joined], nearest[joined]
         flat[own], turned[:, own] = flat[from_there], turned[:, from_there]
         waiting = waiting[~joined]
-    return flat.reshape(names.shape)

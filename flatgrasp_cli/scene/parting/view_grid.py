@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.raster import Raster
+from flatgrasp_cli.scene.support_plane import SIGMAS
 
 LOST_DEG = 15.0
 """A surface seen more flatly than this returns nothing to a depth camera, so one that was seen is no steeper."""
-NOISE_SIGMAS = 3.0
 MOST_CELLS = 200_000
 RIM_CELLS = 3
 """Empty cells around all points: shifted images wrap around, and no seam looks farther than that."""
@@ -66,7 +66,7 @@ class ViewGrid:
         raster = Raster.over(low, high, pitch, MOST_CELLS)
         cell_m = raster.cell_m * distance
         cell = raster.cells(x, y)
-        jump_m = cell_m / np.tan(np.radians(LOST_DEG)) + NOISE_SIGMAS * noise_m
+        jump_m = cell_m / np.tan(np.radians(LOST_DEG)) + SIGMAS * noise_m
         nearest = np.full(raster.size, np.inf)
         np.minimum.at(nearest, cell, point_depth)
         front = np.flatnonzero(point_depth < nearest[cell] + jump_m)
