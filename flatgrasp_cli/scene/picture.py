@@ -11,19 +11,18 @@ from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Cloud, Floor
 from flatgrasp_cli.scene.masks import hull_of
 from flatgrasp_cli.scene.parting.view_grid import image_of
+from flatgrasp_cli.scene.support_plane import FINE_SAMPLE
 
 EDGE_M = 0.05
 """Nearer to the table's edge, metres, a hand stands half beyond it, and things are what the table ends with."""
 EDGE_PX = 4.0
 """So near to the picture's edge, in pixels, what goes on ends: sensors drop the outermost one or two."""
 STRETCHES = 16
-"""The picture ends along a straight line. Of so many stretches of a side most hold points, or what lies there is the end
-of a table, or of a thing that stands out."""
+"""The picture ends along a straight line. Of so many stretches of a side most hold points, or what lies there is the
+end of a table, or of a thing that stands out."""
 MARGIN_SHARE = 0.07
 """Of an image's width and height sensors leave this much empty at a side: stereo cameras up to 0.06."""
 LEAST_POINTS = 8
-SAMPLE = 6_000
-"""Points of a picture that tell where it ends: some 50 lie along each side."""
 
 
 def cut_off(cloud: Cloud, viewpoint: FloatArray, members: tuple[IntArray, ...], spacing_m: float) -> tuple[bool, ...]:
@@ -31,7 +30,10 @@ def cut_off(cloud: Cloud, viewpoint: FloatArray, members: tuple[IntArray, ...], 
 
     Without an image the picture is the smallest rectangle around the cloud, whose points lie `spacing_m` apart.
     """
-    sample, rows = spread_indices(len(cloud.points), SAMPLE), np.concatenate([*members, np.empty(0, dtype=np.intp)])
+    sample, rows = (
+        spread_indices(len(cloud.points), FINE_SAMPLE),
+        np.concatenate([*members, np.empty(0, dtype=np.intp)]),
+    )
     if cloud.pixels is not None:
         width = cloud.pixels.shape[1]
         pixel = np.flatnonzero(cloud.pixels.filled)

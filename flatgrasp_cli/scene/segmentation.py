@@ -13,6 +13,7 @@ from flatgrasp_cli.scene.faint import without_faint
 from flatgrasp_cli.scene.heaps import Heap
 from flatgrasp_cli.scene.objects import objects_of, overlook
 from flatgrasp_cli.scene.selection import cropped, selected
+from flatgrasp_cli.scene.strays import TAIL_SHARE
 from flatgrasp_cli.scene.support_plane import MOST_BELOW_M, SAMPLE, SIGMAS, find_support_plane
 
 LARGEST_EXTENT_M = 20.0
@@ -22,8 +23,6 @@ UPRIGHT_SHARE = 0.2
 tangent of this, of upright, where it has no upper side."""
 NO_PLANE = "no support plane was found"
 NOTHING_STANDS = "nothing stands on the support plane"
-STRAY_SHARE = 0.02
-"""Share of a cloud's points, at either end of an axis, that may be strays and do not tell its extent."""
 LEAST_BELOW_M = 0.010
 """A table's own ripple, metres: what lies close below a plane is lower."""
 BELOW_SHARE = 0.03
@@ -74,7 +73,7 @@ def _too_large(points: FloatArray) -> str | None:
     if len(points) == 0:
         return None
     sample = points[spread_indices(len(points), SAMPLE)]
-    strays = int(STRAY_SHARE * len(sample))
+    strays = int(TAIL_SHARE * len(sample))
     low, high = np.sort(sample, axis=0)[[strays, -1 - strays]]
     x, y, z = (high - low).tolist()
     if max(x, y, z) <= LARGEST_EXTENT_M:

@@ -16,8 +16,9 @@ from flatgrasp_cli.profiles.settings import SceneSettings
 SAMPLE = 2000
 """Points of an even sample by which planes are looked for and extents told: shares of them are then known to 1 %, and
 hypotheses are scored in a few milliseconds."""
-REFINEMENT_SAMPLE = 10_000
-"""Points by which it is fitted: of a plane of 60 cm with noise of 3 mm, its normal is then known to 0.01°."""
+FINE_SAMPLE = 10_000
+"""Points by which a plane is fitted: of one of 60 cm with noise of 3 mm, its normal is then known to 0.01°. By as many
+its scatter is known to 1 %, and where a picture ends: some 50 lie along each side."""
 TOLERANCE_SHARE, TOLERANCE_RANGE_M = 0.008, (0.004, 0.03)
 """How far from a hypothesis points agree with it, as a share of their distance from the sensor: three times the noise
 of a structured-light sensor at 2 m (Khoshelham & Elberink 2012). And the least and the most of it, metres."""
@@ -131,7 +132,7 @@ def _tolerance(points: FloatArray, sensor: Sensor) -> FloatArray:
 
 def _refined(points: FloatArray, sensor: Sensor, fit: _Fit) -> SupportPlane:
     """Least squares on the inliers of an even sample, within a tolerance that follows from their own scatter."""
-    points = points[spread_indices(len(points), REFINEMENT_SAMPLE)]
+    points = points[spread_indices(len(points), FINE_SAMPLE)]
     normal, offset = fit.normal, fit.offset
     residuals = points @ normal - offset
     tolerance = float(np.median(_tolerance(points, sensor)))

@@ -12,8 +12,9 @@ from flatgrasp_cli.scene.parting.view_grid import SIDES, ViewGrid, shifted
 HANGS_M = 0.015
 """A piece that was seen down to its lower edge, and that ends so high above the support plane, does not lie on it:
 noise and what the sensor loses at a foot are a third of that."""
-FOOT_CELLS = 6
-"""Cells lower than that, from which on a piece stands on the plane: fewer may hold flying points."""
+CORE_CELLS = 6
+"""Cells of a piece, at least, that lie in no seam, or low enough to stand on the plane: fewer may be noise, or hold
+flying points."""
 ODD_SHARE = 0.05
 """Share of a piece's cells beyond its lower and its upper end: those at an edge also hold points of what is behind."""
 HELD_M = 0.005
@@ -55,7 +56,7 @@ def held_together(grid: ViewGrid, names: IntArray) -> IntArray:
     height = np.where(grid.known, grid.height, 0.0).ravel()
     middle = np.bincount(names.ravel(), weights=height, minlength=count) / cells
     feet = np.bincount(names.ravel(), weights=height < HANGS_M, minlength=count)
-    hangs = (feet < FOOT_CELLS) & (borders.hidden <= COVERED * borders.edge)
+    hangs = (feet < CORE_CELLS) & (borders.hidden <= COVERED * borders.edge)
     low, high = np.full((2, count), np.nan)
     meeting = (np.flatnonzero(borders.met[1:].any(axis=1)) + 1).tolist()
     for name in meeting:
