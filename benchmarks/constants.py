@@ -1,11 +1,11 @@
-"""Which number could be grossly wrong without a test that notices? Changes them one at a time and runs the tests.
+"""Which number could be wrong without a test that notices? Changes them one at a time and runs the tests.
 
-    nice python benchmarks/constants.py [planner scene surroundings ranking settings] [NAME ...]
+    nice python benchmarks/constants.py [planner scene surroundings ranking settings] [NAME ...] [--factor 1.5]
 
-Every numeric constant of these rooms' modules and every number of configs/planner/default.yaml is made three times as
-large and a third, one at a time (of a tuple, one member at a time; an array as a whole). With that the room's tests run
-in a process forked for it, until one fails. What passes is printed. All of them take half an hour: name rooms, or
-constants (`LIMB_M`, `gap_m`), to try those alone.
+Every numeric constant of these rooms' modules and every number of configs/planner/default.yaml is multiplied and
+divided by 1.5, one at a time (of a tuple, one member at a time; an array as a whole). With that the room's tests run in
+a process forked for it, until one fails. What passes is printed, and the share that does not. All of them take an hour:
+name rooms, or constants (`LIMB_M`, `gap_m`), to try those alone; `--factor 3` finds what could be grossly wrong.
 """
 
 from __future__ import annotations
@@ -69,16 +69,17 @@ class Number:
         place = "".join(f"[{index}]" for index in self.path)
         return f"{self.module.removeprefix('flatgrasp_cli.')}.{self.name}{place}"
 
-    def gross(self) -> tuple[Any, Any]:
-        """Three times as much and a third; of whole numbers at least one more and one less."""
+    def changed(self, factor: float) -> tuple[Any, Any]:
+        """So many times as much, and as little; of whole numbers at least one more and one less."""
         if isinstance(self.value, int):
-            return max(3 * self.value, self.value + 1), min(self.value // 3, self.value - 1)
-        return self.value * 3, self.value / 3
+            more, less = round(factor * self.value), round(self.value / factor)
+            return max(more, self.value + 1), min(less, self.value - 1)
+        return self.value * factor, self.value / factor
 
 
 def constants(room: str) -> Iterator[Number]:
     """The numbers that the modules of a room are written with."""
-    for info in pkgutil.iter_modules([str(ROOT / "flatgrasp_cli" / room)], f"flatgrasp_cli.{room}."):
+    for info in pkgutil.walk_packages([str(ROOT / "flatgrasp_cli" / room)], f"flatgrasp_cli.{room}."):
         module = importlib.import_module(info.name)
         for statement in ast.parse(Path(str(module.__file__)).read_text("utf-8")).body:
             targets = statement.targets if isinstance(statement, ast.Assign) else []
@@ -159,7 +160,9 @@ def main() -> None:
     """Try the numbers and print those whose change no test notices."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("names", nargs="*", help="rooms or constants (default: all)")
-    wanted = set(parser.parse_args().names)
+    parser.add_argument("--factor", type=float, default=1.5, help="by which a number is multiplied, and divided")
+    options = parser.parse_args()
+    wanted = set(options.names)
     for info in pkgutil.walk_packages(flatgrasp_cli.__path__, "flatgrasp_cli."):
         if not info.name.endswith("__main__"):
             importlib.import_module(info.name)
@@ -169,13 +172,14 @@ def main() -> None:
     for room in sorted({number.room for number in chosen}):
         if end_of(room) != PASSED:
             parser.error(f"the tests of {room} fail without any change")
-    unnoticed = 0
+    lived = 0
     for number in chosen:
-        passed = [value for value in number.gross() if end_of(number.room, number, value) == PASSED]
-        unnoticed += len(passed) == 2
+        passed = [value for value in number.changed(options.factor) if end_of(number.room, number, value) == PASSED]
+        lived += len(passed)
         for value in passed:
             print(f"{number} = {number.value}: {value} passes", flush=True)
-    print(f"{len(chosen)} numbers; of {unnoticed} no test notices either change")
+    changes = 2 * len(chosen)
+    print(f"{len(chosen)} numbers; tests notice {changes - lived} of {changes} changes")
 
 
 if __name__ == "__main__":

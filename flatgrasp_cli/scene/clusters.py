@@ -18,10 +18,8 @@ from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.cells import LEVEL_WINDOW_M, SortedPoints, fitting_cell_m, smoothed
 from flatgrasp_cli.scene.masks import ends_of, hull_of, span_of
 from flatgrasp_cli.scene.strays import lonely
-from flatgrasp_cli.scene.support_plane import MAD_TO_SIGMA
+from flatgrasp_cli.scene.support_plane import FINE_SAMPLE, MAD_TO_SIGMA, SIGMAS
 
-PLANE_SIGMAS = 3.0
-"""Standard deviations of a point's noise within which a height is the plane's own: 99.7 % of them are."""
 POINT_SIGMAS = 2.5
 """Standard deviations by which a point, or the mean of a cell, must stand out of the plane: 0.6 % of the plane's own
 do."""
@@ -39,16 +37,13 @@ EDGE_M, EDGE_RIPPLE_M = 0.03, 0.01
 """Within the first of the plane's edge, a cluster no higher than the second is no object, metres: a stereo camera
 matches windows of some 20 pixels, 30 mm at a metre. Near the edge they also hold what lies beyond it, and the plane's
 own height is wrong by up to a centimetre."""
-PATCH_M = 0.03
-"""Least width of a piece of the support plane at its widest place, metres: three fingers. What only crosses the plane,
-as a wall does, is narrower."""
 MIN_POINTS = 30
 """Least number of points in the cells of an object: with fewer, an outline is mostly noise."""
 STRAY_M, STRAY_CELLS = 0.01, 3.0
 """A point with hardly another around it belongs to nothing. Around it means within one or two times this, metres, or,
 in a sparse cloud, this many cells of the raster."""
-GRID_SAMPLE, SCATTER_SAMPLE = 20_000, 10_000
-"""Points by which the raster is laid out, and cells by which its scatter is measured: both are then known to 1 %."""
+GRID_SAMPLE = 20_000
+"""Points by which the raster is laid out: several in each of the cells that their density is measured in."""
 BLOCK = 16_384
 """Points worked on at once: as many as stay in a processor's cache. A result does not depend on it."""
 CALM_WINDOW_M = 0.025
@@ -57,12 +52,10 @@ finger with its clearance."""
 MARGIN_M = 0.1
 """Points farther than this outside of the support plane, metres, are not looked at: they are the room behind the table.
 """
-SECTORS, MIN_SECTORS = 16, 5
+SECTORS, LEAST_AROUND = 16, 0.3
 """Directions around an object, and in how many of them the support plane must be seen if the object stands on it: seen
-obliquely before a wall, a third of them are left."""
-LEAST_OUTSIDE = 0.3
-"""Least share of the plane outside the objects' convex hulls. With less, the plane is a part of an object: the floor of
-a pan, whose rim stands around it."""
+obliquely before a wall, a third of them are left. As much of the plane must lie outside the objects' convex hulls, or
+it is a part of an object: the floor of a pan, whose rim stands around it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,10 +81,12 @@ class Clusters:
 def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettings) -> Clusters | None:
     """The objects among `points` (n, 3) on `plane`, largest first; None if no cell shows the plane itself."""
     frame = frame_on_plane(plane.normal, plane.offset_m)
-    found, heights = _sorted(points, frame, _raster(points, frame, plane.noise_m), -PLANE_SIGMAS * plane.noise_m)
+    found, heights = _sorted(points, frame, _raster(points, frame, plane.noise_m), -SIGMAS * plane.noise_m)
     total = found.total(heights)
     own = total / np.maximum(found.count, 1)
-    table = _broad((found.count > 0) & (np.abs(own) < PLANE_SIGMAS * plane.noise_m), found.raster.cell_m)
+    table = _broad(
+        (found.count > 0) & (np.abs(own) < SIGMAS * plane.noise_m), settings.least_part_m / found.raster.cell_m
+    )
     if not table.any():
         return None
     standing = _standing(found, own, table, plane.noise_m, settings)
@@ -108,7 +103,7 @@ def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettin
         members=tuple(rows[piece == name] for name in chosen),
         clutter=rows[~np.isin(piece, chosen)],
         floor=_floor(frame, found, total, rows, heights[rows]),
-        lie_on_table=bool(chosen) and _outside_share(labels, chosen, table) >= LEAST_OUTSIDE,
+        lie_on_table=bool(chosen) and _outside_share(labels, chosen, table) >= LEAST_AROUND,
         extent_m=float(found.raster.cell_m * np.hypot(*span_of(table))),
     )
 
@@ -117,7 +112,7 @@ def _raster(points: FloatArray, frame: Frame, noise_m: float) -> Raster:
     """A raster of the plane and a margin around it, as far as there are points, laid out by an even sample of them."""
     chosen = spread_indices(len(points), GRID_SAMPLE)
     x, y, heights = frame.to_local(points[chosen]).T
-    flat = np.abs(heights) < PLANE_SIGMAS * noise_m
+    flat = np.abs(heights) < SIGMAS * noise_m
     sides = [(x, x[flat]), (y, y[flat])]
     low = np.array([max(every_one.min(), own.min() - MARGIN_M) for every_one, own in sides])
     high = np.array([min(every_one.max(), own.max() + MARGIN_M) for every_one, own in sides])
@@ -163,7 +158,7 @@ def _standing(
     window = 2 * round(0.5 * LEVEL_WINDOW_M / found.raster.cell_m) + 1
     smooth = smoothed(own, found.count, SMOOTH_CELLS) - smoothed(own, table, window)
     ripple = smooth[table]
-    scatter = MAD_TO_SIGMA * float(np.median(np.abs(ripple[spread_indices(len(ripple), SCATTER_SAMPLE)])))
+    scatter = MAD_TO_SIGMA * float(np.median(np.abs(ripple[spread_indices(len(ripple), FINE_SAMPLE)])))
     threshold = max(settings.min_height_m, settings.noise_factor * scatter)
     sure = POINT_SIGMAS * noise_m / np.sqrt(np.maximum(found.count, 1))
     return np.asarray((found.count > 0) & (smooth > threshold) & (own > np.maximum(threshold, sure)))
@@ -180,13 +175,13 @@ def _labels(mask: Any) -> IntArray:
     return np.asarray(cv2.connectedComponents(mask, connectivity=8)[1], dtype=np.int32)
 
 
-def _broad(mask: BoolArray, cell_m: float) -> BoolArray:
-    """The connected pieces of `mask`, gaps of a cell bridged, that are somewhere as wide as `PATCH_M`.
+def _broad(mask: BoolArray, cells: float) -> BoolArray:
+    """The connected pieces of `mask`, gaps of a cell bridged, that are somewhere as wide as so many `cells`.
 
     Shadows and things cut a table in pieces. What only crosses its plane, as a wall does, is narrow there.
     """
     bridged = cv2.dilate(mask.view(np.uint8), np.ones((3, 3), np.uint8))
-    width = 2 * round(0.5 * PATCH_M / cell_m) + 1
+    width = 2 * round(0.5 * cells) + 1
     labels = _labels(bridged)
     core = cv2.erode(bridged, np.ones((width, width), np.uint8)) > 0
     broad = np.bincount(labels[core], minlength=int(labels.max()) + 1) > 0
@@ -216,7 +211,7 @@ def _objects(
             continue
         if (
             shapely.contains_xy(amid, *middle)
-            and _sectors(low, high, middle, table, RING_M / found.raster.cell_m) >= MIN_SECTORS
+            and _sectors(low, high, middle, table, RING_M / found.raster.cell_m) >= LEAST_AROUND * SECTORS
         ):
             chosen.append(name)
     return sorted(chosen, key=lambda name: -int(cells[name]))

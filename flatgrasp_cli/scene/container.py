@@ -11,11 +11,8 @@ from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntA
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.height_map import UNSEEN
 from flatgrasp_cli.geometry.raster import Raster
-from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Floor
 
-SAMPLE = 60_000
-"""Points that the walls are looked for in: several in a cell of a frame's raster."""
 LEVELS_M = (0.012, 0.025, 0.05, 0.1)
 """Heights over the floor to which water is poured in: the lowest rims that keep a hand out of things, and higher ones
 where things hide the floor."""
@@ -75,7 +72,7 @@ def find_container(points: FloatArray, floor: Floor, *, stated: bool) -> Contain
     edge, and in cells that were not seen it stands as in the nearest one that was.
     """
     least_m = LEAST_STATED_M if stated else LEAST_WIDE_M
-    x, y, height = floor.frame.to_local(points[spread_indices(len(points), SAMPLE)]).T
+    x, y, height = floor.frame.to_local(points).T
     if len(points) == 0 or min(np.ptp(x), np.ptp(y)) < least_m:
         return None
     raster = floor.levels.raster

@@ -9,14 +9,13 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import SupportPlane
-from flatgrasp_cli.scene.clusters import PLANE_SIGMAS, Clusters
+from flatgrasp_cli.scene.clusters import Clusters
 from flatgrasp_cli.scene.parting.view_grid import image_of
+from flatgrasp_cli.scene.support_plane import SAMPLE, SIGMAS
 
 SURE_SIGMAS = 2.0
 """A thing is higher, on average, than so many standard deviations of single points there: ripples of a disparity's last
 digit, which no mean over cells removes, are as high as that in real frames of tables."""
-SAMPLE = 2_000
-"""Points of the plane that tell how far away it is: to 2 %."""
 GHOST_M, GHOST_PX, GHOST_SHARE = 0.01, 10.0, 0.8
 """A ripple of the plane beside the edge of something nearer: the share of it, at least, that lies so near to that edge
 in the image, in pixels, and the most, metres, that it is high on average. Sensors that match windows of some 20 pixels
@@ -32,7 +31,7 @@ def without_faint(points: FloatArray, clusters: Clusters, plane: SupportPlane, v
     2012); the plane's own is that at its middle distance.
     """
     sample = points[spread_indices(len(points), SAMPLE)]
-    flat = sample[np.abs(plane.heights(sample)) < PLANE_SIGMAS * plane.noise_m]
+    flat = sample[np.abs(plane.heights(sample)) < SIGMAS * plane.noise_m]
     usual_m = float(np.median(np.linalg.norm((flat if len(flat) else sample) - viewpoint, axis=1)))
     reach = GHOST_PX * clusters.floor.spacing_m / usual_m
 

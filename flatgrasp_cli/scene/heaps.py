@@ -9,18 +9,13 @@ from typing import TypedDict
 import cv2
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import ByteArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from flatgrasp_cli.model import SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
-from flatgrasp_cli.scene.clusters import MIN_POINTS, PLANE_SIGMAS, Clusters
+from flatgrasp_cli.scene.clusters import MIN_POINTS, Clusters
 from flatgrasp_cli.scene.container import Container, find_container
 from flatgrasp_cli.scene.parting import Limits, Surface, pieces
-
-FLOOR_SHARE = 0.5
-"""A piece with more than this share of its points in the support plane is the floor, from which a bin's walls rise."""
-INSIDE_SHARE = 0.5
-"""Least share of a thing in a bin that lies over its inside: walls are outside, but for their feet."""
-
+from flatgrasp_cli.scene.support_plane import SIGMAS
 
 LONGEST_WHOLE_M = 0.35
 """Pieces that touch and are together no longer than this, metres, may be one object, as a drill's body and handle are:
@@ -89,7 +84,7 @@ class Heap:
                 objects.append((own, None))
                 continue
             for low in self._standing_out(own):  # without the floor, into which low things pass without a seam
-                inside = container is not None and container.holds(self.points[low]).mean() >= INSIDE_SHARE
+                inside = container is not None and _most(container.holds(self.points[low]))
                 if inside and not self._is_small(low) and self._is_object(low):
                     objects.append((low, None))
                 else:
@@ -140,13 +135,13 @@ class Heap:
     @property
     def _flat_m(self) -> float:
         """The highest that the support plane's own points lie over it."""
-        return max(PLANE_SIGMAS * self.plane.noise_m, self.settings.min_height_m)
+        return max(SIGMAS * self.plane.noise_m, self.settings.min_height_m)
 
     def _lies_in(self, piece: IntArray, container: Container | None) -> bool:
-        """Whether a piece is neither floor nor wall."""
-        if (self.plane.heights(self.points[piece]) < self._flat_m).mean() > FLOOR_SHARE:
+        """Whether a piece is neither floor, from which walls rise, nor wall, which is outside but for its foot."""
+        if _most(self.plane.heights(self.points[piece]) < self._flat_m):
             return False
-        return container is None or bool(container.holds(self.points[piece]).mean() >= INSIDE_SHARE)
+        return container is None or _most(container.holds(self.points[piece]))
 
     def _pieces(self, rows: IntArray) -> list[IntArray]:
         """The `rows` (n,) of points piece by piece."""
@@ -199,6 +194,11 @@ class Heap:
     def _is_object(self, rows: IntArray) -> bool:
         """Whether points are enough for an object, and not too far apart."""
         return len(rows) >= MIN_POINTS and _length_m(self.points[rows]) <= self.settings.max_size_m
+
+
+def _most(which: BoolArray) -> bool:
+    """Whether more than half of what a mask (n,) tells of are marked."""
+    return 2 * int(np.count_nonzero(which)) > len(which)
 
 
 def _length_m(points: FloatArray) -> float:

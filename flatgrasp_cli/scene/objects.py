@@ -12,19 +12,17 @@ from flatgrasp_cli.scene.clusters import Clusters
 from flatgrasp_cli.scene.heaps import LONGEST_WHOLE_M
 from flatgrasp_cli.scene.picture import at_table_edge, cut_off
 from flatgrasp_cli.scene.stacking import supported_by
-from flatgrasp_cli.scene.support_plane import looks_down
+from flatgrasp_cli.scene.support_plane import REACH_M, looks_down
 
 NEAR_M = 0.2
 """Other points farther than this from an object's bounding box cannot meet the hand."""
-OVERHEAD_M = 1.0
-"""Where no sensor is known, shadows are those of one straight above."""
 
 
 def overlook(points: FloatArray, sensor: Sensor, plane: SupportPlane) -> FloatArray:
     """Where `points` (n, 3) are looked at from: the sensor, or straight above where it is not known to look down."""
     if sensor.position is not None and not sensor.sees_all_sides and looks_down(sensor, plane.normal, plane.offset_m):
         return sensor.position
-    return np.asarray(points.mean(axis=0) + OVERHEAD_M * plane.normal)
+    return np.asarray(points.mean(axis=0) + REACH_M * plane.normal)
 
 
 def objects_of(
@@ -78,7 +76,7 @@ class _Around:
             near &= (values > own.min() - NEAR_M) & (values < own.max() + NEAR_M)
         near[mine] = False
         middle = self.columns[:, mine].mean(axis=1)
-        viewpoint = self.sensor.position if self.seen_from_above else middle + OVERHEAD_M * self.plane.normal
+        viewpoint = self.sensor.position if self.seen_from_above else middle + REACH_M * self.plane.normal
         return ObjectCloud(
             id=index,
             points=self.standing[mine],

@@ -11,19 +11,18 @@ from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Cloud, Floor
 from flatgrasp_cli.scene.masks import hull_of
 from flatgrasp_cli.scene.parting.view_grid import image_of
+from flatgrasp_cli.scene.support_plane import FINE_SAMPLE
 
 EDGE_M = 0.05
 """Nearer to the table's edge, metres, a hand stands half beyond it, and things are what the table ends with."""
 EDGE_PX = 4.0
 """So near to the picture's edge, in pixels, what goes on ends: sensors drop the outermost one or two."""
-STRETCHES, LEAST_STRETCHES = 16, 8
-"""The picture ends along a straight line. Of so many stretches of a side this many hold points, at least, or what lies
-there is the end of a table, or of a thing that stands out."""
+STRETCHES = 16
+"""The picture ends along a straight line. Of so many stretches of a side most hold points, or what lies there is the
+end of a table, or of a thing that stands out."""
 MARGIN_SHARE = 0.07
 """Of an image's width and height sensors leave this much empty at a side: stereo cameras up to 0.06."""
 LEAST_POINTS = 8
-SAMPLE, TURN_STRIDE = 6_000, 4
-"""Points of a picture that tell where it ends: some 50 lie along each side; and which of them tell how it is turned."""
 
 
 def cut_off(cloud: Cloud, viewpoint: FloatArray, members: tuple[IntArray, ...], spacing_m: float) -> tuple[bool, ...]:
@@ -31,7 +30,10 @@ def cut_off(cloud: Cloud, viewpoint: FloatArray, members: tuple[IntArray, ...], 
 
     Without an image the picture is the smallest rectangle around the cloud, whose points lie `spacing_m` apart.
     """
-    sample, rows = spread_indices(len(cloud.points), SAMPLE), np.concatenate([*members, np.empty(0, dtype=np.intp)])
+    sample, rows = (
+        spread_indices(len(cloud.points), FINE_SAMPLE),
+        np.concatenate([*members, np.empty(0, dtype=np.intp)]),
+    )
     if cloud.pixels is not None:
         width = cloud.pixels.shape[1]
         pixel = np.flatnonzero(cloud.pixels.filled)
@@ -41,7 +43,7 @@ def cut_off(cloud: Cloud, viewpoint: FloatArray, members: tuple[IntArray, ...], 
     else:
         x, y, depth = image_of(cloud.points[np.concatenate([sample, rows])], viewpoint)
         both = np.column_stack([x, y]) * (float(np.median(depth)) / spacing_m)
-        _, _, turn = cv2.minAreaRect(cv2.convexHull(both[: len(sample) : TURN_STRIDE].astype(np.float32)))
+        _, _, turn = cv2.minAreaRect(cv2.convexHull(both[: len(sample)].astype(np.float32)))
         c, s = np.cos(np.radians(turn)), np.sin(np.radians(turn))
         picture, own = np.split(both @ np.array([[c, -s], [s, c]]), [len(sample)])
         limits = np.full(2, np.inf), np.full(2, -np.inf)
@@ -73,7 +75,7 @@ def _at_edge(picture: FloatArray, own: FloatArray, limits: tuple[FloatArray, Flo
         along = np.floor((picture[:, 1 - axis] - low[1 - axis]) / (high - low + 1)[1 - axis] * STRETCHES)
         for end, is_side in ((low[axis], low[axis] <= limits[0][axis]), (high[axis], high[axis] >= limits[1][axis])):
             held = np.bincount(along[_near(picture[:, axis], end)].astype(np.intp), minlength=STRETCHES)
-            if is_side and np.count_nonzero(held) >= LEAST_STRETCHES:
+            if is_side and 2 * np.count_nonzero(held) >= STRETCHES:
                 found |= _near(own[:, axis], end)
     return found
 

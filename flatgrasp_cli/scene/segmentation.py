@@ -13,7 +13,8 @@ from flatgrasp_cli.scene.faint import without_faint
 from flatgrasp_cli.scene.heaps import Heap
 from flatgrasp_cli.scene.objects import objects_of, overlook
 from flatgrasp_cli.scene.selection import cropped, selected
-from flatgrasp_cli.scene.support_plane import SAMPLE, find_support_plane
+from flatgrasp_cli.scene.strays import TAIL_SHARE
+from flatgrasp_cli.scene.support_plane import MOST_BELOW_M, SAMPLE, SIGMAS, find_support_plane
 
 LARGEST_EXTENT_M = 20.0
 """No view of objects for a gripper is wider than this, metres; a lidar's is, and so is a cloud in millimetres."""
@@ -22,11 +23,8 @@ UPRIGHT_SHARE = 0.2
 tangent of this, of upright, where it has no upper side."""
 NO_PLANE = "no support plane was found"
 NOTHING_STANDS = "nothing stands on the support plane"
-STRAY_SHARE = 0.02
-"""Share of a cloud's points, at either end of an axis, that may be strays and do not tell its extent."""
-SIGMAS, LEAST_BELOW_M, MOST_BELOW_M = 3.0, 0.010, 0.1
-"""What lies close below a plane: by more than so many standard deviations of its noise and more than the least, which
-is a table's own ripple, and no farther than the most, metres, where a floor or a shelf may begin."""
+LEAST_BELOW_M = 0.010
+"""A table's own ripple, metres: what lies close below a plane is lower."""
 BELOW_SHARE = 0.03
 """Share of points close below a plane, of those on it, from which on the plane is a part of a body. Real tables have
 less than 1 %, at their edges."""
@@ -75,7 +73,7 @@ def _too_large(points: FloatArray) -> str | None:
     if len(points) == 0:
         return None
     sample = points[spread_indices(len(points), SAMPLE)]
-    strays = int(STRAY_SHARE * len(sample))
+    strays = int(TAIL_SHARE * len(sample))
     low, high = np.sort(sample, axis=0)[[strays, -1 - strays]]
     x, y, z = (high - low).tolist()
     if max(x, y, z) <= LARGEST_EXTENT_M:

@@ -8,8 +8,6 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.model import Floor
 
-AROUND_M = 0.006
-"""How far around a thing what it lies on is looked for, metres: beyond cells that hold points of both."""
 LOWER_M = 0.005
 """What a thing lies on is lower there than most of what was seen of the thing, metres."""
 ON_SHARE = 0.4
@@ -29,7 +27,7 @@ def supported_by(points: FloatArray, members: tuple[IntArray, ...], floor: Floor
     below: list[tuple[int, ...]] = [() for _ in members]
     for name in range(len(members)):
         mine = owner == name
-        if mine.any() and (under := _under(mine, owner, height, floor.levels.cell_m)) is not None:
+        if mine.any() and (under := _under(mine, owner, height)) is not None:
             below[under] = (*below[under], name)
     return tuple(below)
 
@@ -47,9 +45,9 @@ def _from_above(points: FloatArray, members: tuple[IntArray, ...], floor: Floor)
     return owner.reshape(raster.shape), height.reshape(raster.shape)
 
 
-def _under(mine: BoolArray, owner: IntArray, height: FloatArray, cell_m: float) -> int | None:
+def _under(mine: BoolArray, owner: IntArray, height: FloatArray) -> int | None:
     """The member that the one whose cells are `mine` lies on."""
-    reach = max(1, round(AROUND_M / cell_m))
+    reach = 2  # the cells beside a thing may hold points of both
     rows, columns = np.flatnonzero(mine.any(axis=1)), np.flatnonzero(mine.any(axis=0))
     box = tuple(slice(max(0, ends[0] - reach), ends[-1] + reach + 1) for ends in (rows, columns))
     mine, owner, height = mine[box], owner[box], height[box]

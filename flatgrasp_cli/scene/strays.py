@@ -7,12 +7,10 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Cloud
+from flatgrasp_cli.scene.support_plane import FINE_SAMPLE, REACH_M
 
-SAMPLE, TAIL_SHARE = 4000, 0.01
-"""Points of an even sample, and the share of them, at either end of each axis, that may lie outside of the bulk: 40."""
-LEAST_MARGIN_M = 1.0
-"""Points within this of the bulk, metres, are no far strays, however small it is: the room around a table is as near.
-"""
+TAIL_SHARE = 0.01
+"""Share of a cloud's points, at either end of each axis, that may lie outside of the bulk."""
 ALONE = 3
 """So many points within a block of 3 × 3 × 3 cells, or more, are no strays: flying pixels come one by one or in pairs.
 """
@@ -32,11 +30,11 @@ def without_far_strays(cloud: Cloud) -> Cloud:
     """
     if len(cloud.points) == 0:
         return cloud
-    sample = cloud.points[spread_indices(len(cloud.points), SAMPLE)]
+    sample = cloud.points[spread_indices(len(cloud.points), FINE_SAMPLE)]
     tail = int(TAIL_SHARE * len(sample))
     ends = np.partition(sample, [tail, len(sample) - 1 - tail], axis=0)
     low, high = ends[tail], ends[len(sample) - 1 - tail]
-    margin = max(LEAST_MARGIN_M, float(np.linalg.norm(high - low)))
+    margin = max(REACH_M, float(np.linalg.norm(high - low)))
     outside = _outside(cloud.points, low - margin, high + margin)
     return cloud.without(outside) if len(outside) else cloud
 
@@ -47,7 +45,7 @@ def without_repeats(cloud: Cloud) -> Cloud:
     No sensor measures the same place repeatedly to the last digit. Such points are invalid ones, moved to the sensor's
     place or another by a transform, or copies that pad a cloud to a fixed length.
     """
-    sample = cloud.points[spread_indices(len(cloud.points), SAMPLE)]
+    sample = cloud.points[spread_indices(len(cloud.points), FINE_SAMPLE)]
     values, counts = np.unique(sample[:, 0], return_counts=True)
     often = np.argsort(-counts, kind="stable")[:MOST_REPEATED]
     lost = []

@@ -16,15 +16,14 @@ from flatgrasp_cli.profiles.settings import SceneSettings
 SAMPLE = 2000
 """Points of an even sample by which planes are looked for and extents told: shares of them are then known to 1 %, and
 hypotheses are scored in a few milliseconds."""
-REFINEMENT_SAMPLE = 10_000
-"""Points by which it is fitted: of a plane of 60 cm with noise of 3 mm, its normal is then known to 0.01°."""
-MAX_PLANES = 4
-"""Largest number of planes that are looked for, one after another: a table, the floor below it and two walls."""
+FINE_SAMPLE = 10_000
+"""Points by which a plane is fitted: of one of 60 cm with noise of 3 mm, its normal is then known to 0.01°. By as many
+its scatter is known to 1 %, and where a picture ends: some 50 lie along each side."""
 TOLERANCE_SHARE, TOLERANCE_RANGE_M = 0.008, (0.004, 0.03)
 """How far from a hypothesis points agree with it, as a share of their distance from the sensor: three times the noise
 of a structured-light sensor at 2 m (Khoshelham & Elberink 2012). And the least and the most of it, metres."""
-TYPICAL_DISTANCE_M = 1.0
-"""Distance of a sensor whose place is not known, metres: arms reach no farther."""
+REACH_M = 1.0
+"""Arms reach no farther, metres: a sensor whose place is not known is so far away, and strays are farther off."""
 MIN_SENSOR_HEIGHT_M = 0.1
 """A viewpoint closer to the plane than this, metres, is no sensor's: clouds in a table's own frame have it at the
 origin."""
@@ -40,8 +39,8 @@ over its own, a plane may have. Beside tables there are edges, and below them a 
 through the tops of things in a bin has half of the bin below it."""
 REFINEMENTS = 2
 """Number of fits: one with the first tolerance, and one with that which follows from the plane's own scatter."""
-INLIER_SIGMAS = 3.0
-"""Standard deviations of its noise within which points belong to a plane: 99.7 % of them do."""
+SIGMAS = 3.0
+"""Standard deviations of noise within which points belong to a plane, and depths to one surface: 99.7 % do."""
 LEAST_NOISE_M = 1e-4
 """Least noise of a plane, metres: a simulator's planes are flat to the last digit, and thresholds are multiples of it.
 """
@@ -108,15 +107,15 @@ def _planes(sample: FloatArray, sensor: Sensor, settings: SceneSettings, seed: i
     """Planes one after another, each from the points that the ones before it left over."""
     rng = np.random.default_rng(seed)
     rest, biggest = sample, 0.0
-    for _ in range(MAX_PLANES):
-        if len(rest) < max(3, len(sample) * max(settings.min_plane_share, SECOND_SHARE * biggest)):
-            return
+    while len(rest) >= max(3, len(sample) * max(settings.min_plane_share, SECOND_SHARE * biggest)):
         plane = consensus_plane(rest, _tolerance(rest, sensor), rng)
         if plane is None:
             return
         normal, offset = _oriented(*plane, sample, sensor, settings)
         inliers = np.abs(rest @ normal - offset) < _tolerance(rest, sensor)
         share = float(inliers.sum()) / len(sample)
+        if share == 0:
+            return
         biggest = max(biggest, share)
         yield _Fit(normal, offset, share)
         rest = rest[~inliers]
@@ -125,7 +124,7 @@ def _planes(sample: FloatArray, sensor: Sensor, settings: SceneSettings, seed: i
 def _tolerance(points: FloatArray, sensor: Sensor) -> FloatArray:
     """How far (n,) from a plane points (n, 3) may lie to agree with it, metres."""
     if sensor.position is None:
-        return np.full(len(points), TOLERANCE_SHARE * TYPICAL_DISTANCE_M)
+        return np.full(len(points), TOLERANCE_SHARE * REACH_M)
     apart = points - sensor.position
     distance = np.sqrt(np.einsum("ij,ij->i", apart, apart))
     return np.asarray(np.clip(TOLERANCE_SHARE * distance, *TOLERANCE_RANGE_M))
@@ -133,7 +132,7 @@ def _tolerance(points: FloatArray, sensor: Sensor) -> FloatArray:
 
 def _refined(points: FloatArray, sensor: Sensor, fit: _Fit) -> SupportPlane:
     """Least squares on the inliers of an even sample, within a tolerance that follows from their own scatter."""
-    points = points[spread_indices(len(points), REFINEMENT_SAMPLE)]
+    points = points[spread_indices(len(points), FINE_SAMPLE)]
     normal, offset = fit.normal, fit.offset
     residuals = points @ normal - offset
     tolerance = float(np.median(_tolerance(points, sensor)))
@@ -146,7 +145,7 @@ def _refined(points: FloatArray, sensor: Sensor, fit: _Fit) -> SupportPlane:
         residuals = points @ normal - offset
         scatter = np.abs(residuals)
         noise = MAD_TO_SIGMA * float(np.median(scatter[scatter < tolerance]))
-        tolerance = min(tolerance, max(INLIER_SIGMAS * noise, TOLERANCE_RANGE_M[0]))
+        tolerance = min(tolerance, max(SIGMAS * noise, TOLERANCE_RANGE_M[0]))
     return SupportPlane(normal, offset, max(noise, LEAST_NOISE_M))
 
 

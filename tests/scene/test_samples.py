@@ -8,7 +8,7 @@ import pytest
 from flatgrasp_cli import load_settings
 from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Sensor
-from flatgrasp_cli.scene import clusters, support_plane
+from flatgrasp_cli.scene import support_plane
 from tests.by_hand import MM
 
 ABOUT_1_PERCENT = pytest.approx(0.0105, abs=0.003)
@@ -43,7 +43,7 @@ def test_the_scatter_of_a_planes_cells() -> None:
     scatters = []
     for seed in range(60):
         ripple = np.random.default_rng(seed).normal(size=120_000)
-        sample = ripple[spread_indices(len(ripple), clusters.SCATTER_SAMPLE)]
+        sample = ripple[spread_indices(len(ripple), support_plane.FINE_SAMPLE)]
         scatters.append(support_plane.MAD_TO_SIGMA * np.median(np.abs(sample)))
     assert np.mean(scatters) == pytest.approx(1, abs=0.01)
     assert np.std(scatters) == ABOUT_1_PERCENT

@@ -12,15 +12,15 @@ from flatgrasp_cli.scene.parting.view_grid import SIDES, ViewGrid, shifted
 HANGS_M = 0.015
 """A piece that was seen down to its lower edge, and that ends so high above the support plane, does not lie on it:
 noise and what the sensor loses at a foot are a third of that."""
-FOOT_CELLS = 6
-"""Cells lower than that, from which on a piece stands on the plane: fewer may hold flying points."""
+CORE_CELLS = 6
+"""Cells of a piece, at least, that lie in no seam, or low enough to stand on the plane: fewer may be noise, or hold
+flying points."""
 ODD_SHARE = 0.05
 """Share of a piece's cells beyond its lower and its upper end: those at an edge also hold points of what is behind."""
 HELD_M = 0.005
 """A piece that touches another one so much higher than where it ends does not lie on that: a handle, and no lid."""
-ENCLOSED, ONE_SIDED = 0.5, 0.9
-"""Least share of a hollow's edge at which anything was seen, and of that share that belongs to one piece: a rim may
-hide what is close behind it, and its own inside is lost where it is steep."""
+ONE_SIDED = 0.9
+"""Least share of what was seen at a hollow's edge that belongs to one piece."""
 COVERED = 0.2
 """Share of a piece's edge that may be hidden behind something nearer before nobody knows how it goes on."""
 
@@ -56,7 +56,7 @@ def held_together(grid: ViewGrid, names: IntArray) -> IntArray:
     height = np.where(grid.known, grid.height, 0.0).ravel()
     middle = np.bincount(names.ravel(), weights=height, minlength=count) / cells
     feet = np.bincount(names.ravel(), weights=height < HANGS_M, minlength=count)
-    hangs = (feet < FOOT_CELLS) & (borders.hidden <= COVERED * borders.edge)
+    hangs = (feet < CORE_CELLS) & (borders.hidden <= COVERED * borders.edge)
     low, high = np.full((2, count), np.nan)
     meeting = (np.flatnonzero(borders.met[1:].any(axis=1)) + 1).tolist()
     for name in meeting:
@@ -75,7 +75,8 @@ def _around(borders: _Borders, name: int, middle: FloatArray, high: FloatArray) 
     """The piece that stands around the one called `name`, higher than it; None if there is none."""
     edge, met = borders.edge[name], borders.met[name]
     other = int(met.argmax())
-    enclosed = met.sum() >= ENCLOSED * edge and met[other] >= ONE_SIDED * met.sum()
+    # a rim may hide what is close behind it, and its own inside is lost where it is steep
+    enclosed = 2 * met.sum() >= edge and met[other] >= ONE_SIDED * met.sum()
     deeper = middle[name] < borders.own[name] / edge and high[name] < high[other]
     return other if enclosed and deeper else None
 

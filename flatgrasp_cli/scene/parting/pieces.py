@@ -8,22 +8,13 @@ import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
-from flatgrasp_cli.scene.parting.joints import held_together
+from flatgrasp_cli.scene.cells import LEAST_CELL_M, POINTS_PER_CELL
+from flatgrasp_cli.scene.parting.joints import CORE_CELLS, held_together
 from flatgrasp_cli.scene.parting.seams import color_seam_cells, seam_cells, surface_normals
 from flatgrasp_cli.scene.parting.view_grid import DOWN, RIGHT, SIDES, ViewGrid, shifted
 
-LEAST_CELL_M = 0.003
-"""Of cells; a finger's width holds a few of them."""
-POINTS_ACROSS = 2.0
-"""Points along a cell's side, at least, so that hardly one is empty."""
 SURE_SIGMAS = 4.0
 """A bend is told from noise by so many of its standard deviations."""
-CORE_CELLS = 6
-"""Cells of a piece, at least, that lie in no seam: fewer may be noise."""
-LEAST_CELLS = 30
-"""Cells of a piece, at least: of fewer most lie at its own edge, where normals are poor."""
-MOST_FLOODS = 100
-"""Cells in a row that a seam may be wide."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,14 +50,16 @@ class Surface:
 def pieces(surface: Surface, limits: Limits) -> IntArray:
     """Names (n,), positive, of the pieces that a surface is made of."""
     spacing_m, noise_m = surface.spacing_m, surface.noise_m
-    cell_m = max(LEAST_CELL_M, POINTS_ACROSS * spacing_m, fitting_cell_m(spacing_m, noise_m, limits.seam_deg))
+    cell_m = max(
+        LEAST_CELL_M, np.sqrt(POINTS_PER_CELL) * spacing_m, fitting_cell_m(spacing_m, noise_m, limits.seam_deg)
+    )
     grid = ViewGrid.of(surface.points, surface.heights, surface.viewpoint, cell_m, noise_m)
     normals, has_normal = surface_normals(grid)
     seams = seam_cells(grid, normals, has_normal, limits.seam_deg)
     if surface.colors is not None and limits.seam_color is not None:
         seams |= color_seam_cells(grid, surface.colors, limits.seam_color)
     names = _connected(grid, has_normal & ~seams)
-    for least_cells in (CORE_CELLS, max(LEAST_CELLS, (limits.least_m / grid.cell_m) ** 2)):
+    for least_cells in (CORE_CELLS, (limits.least_m / grid.cell_m) ** 2):
         names = _of_size(names, least_cells)
         if np.count_nonzero(np.bincount(names.ravel())[1:]) < 2:
             return np.ones(len(surface.points), dtype=np.intp)
@@ -144,7 +137,7 @@ def _flooded(grid: ViewGrid, names: IntArray, normals: FloatArray) -> IntArray:
     flat, turned = names.ravel().copy(), normals.reshape(3, -1).copy()
     sides = [(down * names.shape[1] + right, grid.smooth_to((down, right)).ravel()) for down, right in SIDES]
     waiting = np.flatnonzero(grid.known.ravel() & (flat == 0))
-    for _ in range(MOST_FLOODS):
+    while True:
         nearest, least = np.full(len(waiting), -1), np.full(len(waiting), np.inf)
         for offset, smooth in sides:
             there = waiting + offset
@@ -153,8 +146,7 @@ def _flooded(grid: ViewGrid, names: IntArray, normals: FloatArray) -> IntArray:
             nearest[closer], least[closer] = there[closer], off[closer]
         joined = nearest >= 0
         if not joined.any():
-            break
+            return flat.reshape(names.shape)
         own, from_there = waiting[joined], nearest[joined]
         flat[own], turned[:, own] = flat[from_there], turned[:, from_there]
         waiting = waiting[~joined]
-    return flat.reshape(names.shape)

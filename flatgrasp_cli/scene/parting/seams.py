@@ -6,10 +6,8 @@ import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray
-from flatgrasp_cli.scene.parting.view_grid import Step, ViewGrid, neighbours, shifted
+from flatgrasp_cli.scene.parting.view_grid import REACH_CELLS, Step, ViewGrid, neighbours, shifted
 
-REACH_CELLS = 2
-"""How far on both sides of a cell the bend is measured: the normals there see three cells each, and not the seam."""
 LINES: tuple[Step, ...] = ((0, 1), (1, 0), (1, 1), (1, -1))
 LEAST_NEIGHBOURS = 3
 """Neighbours of a cell that a plane needs besides itself."""

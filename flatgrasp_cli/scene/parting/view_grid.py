@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.raster import Raster
+from flatgrasp_cli.scene.support_plane import SIGMAS
 
 LOST_DEG = 15.0
 """A surface seen more flatly than this returns nothing to a depth camera, so one that was seen is no steeper."""
-NOISE_SIGMAS = 3.0
 MOST_CELLS = 200_000
-RIM_CELLS = 3
-"""Empty cells around all points: shifted images wrap around, and no seam looks farther than that."""
+REACH_CELLS = 2
+"""How far on both sides of a cell a bend is measured: the normals there see three cells each, and not the seam. Shifted
+images wrap around, so that more cells than that are empty around all points."""
 MOST_ASIDE, LEAST_AHEAD = 4.0, 0.1
 """Tangent of the widest angle to the line of sight: of points beside or behind the viewpoint there is no image.
 Nor is there of those that are nearer than this share of the distance to most."""
@@ -61,12 +62,12 @@ class ViewGrid:
         x, y, point_depth = image_of(points, viewpoint)
         distance = float(np.median(point_depth))
         pitch = cell_m / distance
-        rim = RIM_CELLS * pitch
+        rim = (REACH_CELLS + 1) * pitch
         low, high = np.array([x.min(), y.min()]) - rim, np.array([x.max(), y.max()]) + rim
         raster = Raster.over(low, high, pitch, MOST_CELLS)
         cell_m = raster.cell_m * distance
         cell = raster.cells(x, y)
-        jump_m = cell_m / np.tan(np.radians(LOST_DEG)) + NOISE_SIGMAS * noise_m
+        jump_m = cell_m / np.tan(np.radians(LOST_DEG)) + SIGMAS * noise_m
         nearest = np.full(raster.size, np.inf)
         np.minimum.at(nearest, cell, point_depth)
         front = np.flatnonzero(point_depth < nearest[cell] + jump_m)
