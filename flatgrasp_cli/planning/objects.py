@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import reduce
 
 import numpy as np
 
@@ -18,9 +17,9 @@ from flatgrasp_cli.surroundings import (
     asked_of,
     box_across,
     box_on,
+    directions,
     hanging_m,
     places,
-    rings,
     tilt_deg,
 )
 
@@ -50,16 +49,16 @@ def answer_for(cloud: ObjectCloud, search: Search) -> Answer:
 def _from_any_side(search: Search, tilted: Tilted, box: OrientedBox, found: list[Answer]) -> Answer:
     """The best answer for hands that come from any side, the one for straight down among them if that was `found`.
 
-    Lists of directions are tried one after the other until one is enough. If none leaves a grasp, it is the nearest
+    Directions are tried one after the other until one is enough. If none leaves a grasp, it is the nearest
     miss that says why.
     """
     cloud, settings = tilted.cloud, search.settings
     own = oriented_box(cloud.points, cloud.toward, settings.main_plane.method)
     most_m3 = found[0].shape.volume_m3 if found and found[0].shape else np.inf
     best = found[0] if found else None
-    for directions in rings(cloud, box.frame.axes[0], own, settings.approach):
-        answers = [each for each in (_from(search, tilted, direction, most_m3) for direction in directions) if each]
-        best = reduce(search.better, answers if best is None else [best, *answers]) if best or answers else None
+    for direction in directions(cloud, box.frame.axes[0], own, settings.approach):
+        answer = _from(search, tilted, direction, most_m3)
+        best = search.better(best, answer) if best and answer else best or answer
         if best is not None and settings.approach.directions == "auto" and search.is_enough(best):
             break
     if best is None:

@@ -33,25 +33,25 @@ def asked_of(cloud: ObjectCloud, settings: ApproachSettings) -> FloatArray | Non
     return None
 
 
-def rings(
+def directions(
     cloud: ObjectCloud, across: FloatArray, own: OrientedBox | None, settings: ApproachSettings
-) -> Iterator[list[Direction]]:
-    """The directions other than straight down, in the order of trying them: those of one list are alike.
+) -> Iterator[Direction]:
+    """The directions other than straight down, in the order of trying them.
 
     First come the sensor's view and the normal of the object's `own` box, then tilts around the support plane's normal.
-    The first of these are tilted along `across` (3,), a side of the object: then the ends of fingers that close along
+    The first of each is tilted along `across` (3,), a side of the object: then the ends of fingers that close along
     that side, or across it, are parallel to the plane, and get as low as they can.
     """
     asked = asked_of(cloud, settings)
     if settings.directions in ("auto", "any"):
         yield from _all_around(cloud, across, own, settings)
     elif asked is not None:
-        yield [Direction(asked, "view" if settings.directions == "view" else "given")]
+        yield Direction(asked, "view" if settings.directions == "view" else "given")
 
 
 def _all_around(
     cloud: ObjectCloud, across: FloatArray, own: OrientedBox | None, settings: ApproachSettings
-) -> Iterator[list[Direction]]:
+) -> Iterator[Direction]:
     """The directions of a search that was told none."""
     if cloud.support is None:
         return
@@ -59,12 +59,12 @@ def _all_around(
     first = [] if own is None else [Direction(own.frame.axes[2], "main_plane")]
     if cloud.viewpoint is not None:
         first.append(Direction(_unit(cloud.viewpoint - cloud.points.mean(axis=0)), "view"))
-    yield [each for each in first if SAME_DEG < tilt_deg(each.toward, normal) <= settings.max_tilt_deg]
+    yield from (each for each in first if SAME_DEG < tilt_deg(each.toward, normal) <= settings.max_tilt_deg)
     turned = np.cross(normal, across)
     turns = 2 * np.pi * np.arange(settings.around) / settings.around
     for tilt in np.radians([each for each in settings.tilts_deg if each <= settings.max_tilt_deg]):
         sides = [np.cos(turn) * across + np.sin(turn) * turned for turn in turns]
-        yield [Direction(np.cos(tilt) * normal + np.sin(tilt) * side, "tilt") for side in sides]
+        yield from (Direction(np.cos(tilt) * normal + np.sin(tilt) * side, "tilt") for side in sides)
 
 
 def tilt_deg(toward: FloatArray, normal: FloatArray) -> float:

@@ -37,6 +37,8 @@ from flatgrasp_cli.surroundings.places import (
 from flatgrasp_cli.surroundings.slices import lowest_tip, slices, top_of
 from flatgrasp_cli.surroundings.view import View
 
+SPARSER = 2
+"""How many times as far apart as from straight above slices are: what is wide from there is deep from aslant."""
 LEAST_FALL = 1e-3
 """Stands for the cosine of 90°: the support plane beside a hand that comes along it is as high as a house."""
 
@@ -106,7 +108,8 @@ class Tilted:
         yield whole
         around, local = whole.surroundings, whole.frame.to_local(whole.points)
         if isinstance(around, Aslant):
-            for piece in slices(local, around.maps.rest.cell_m, self.settings.depth)[1:]:
+            depth = self.settings.depth.model_copy(update={"slice_step_m": SPARSER * self.settings.depth.slice_step_m})
+            for piece in slices(local, around.maps.rest.cell_m, depth)[1:]:
                 yield above(whole, around, local, piece)
 
     def whole(self, toward: FloatArray, gripper: Gripper) -> Place | None:

@@ -14,7 +14,7 @@ from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.model import ObjectCloud, OrientedBox, SupportPlane
 from flatgrasp_cli.scene import segment
-from flatgrasp_cli.surroundings import Direction, Tilted, rings, tilt_deg
+from flatgrasp_cli.surroundings import Aslant, Direction, Tilted, directions, tilt_deg
 from tests.conftest import MM, TABLE, Box, Camera
 from tests.scene.test_heaps import distance, walls
 from tests.surroundings.on_a_table import hand_in
@@ -52,14 +52,14 @@ class TestDirections:
     ITEM = ObjectCloud(0, np.zeros((40, 3)), UP, None, SupportPlane(UP, 0.0, 1 * MM))
     SIDE = np.array([0.6, 0.8, 0.0])
 
-    def around(self, item: ObjectCloud = ITEM, own: OrientedBox | None = None, **asked: Any) -> list[list[Direction]]:
-        return list(rings(item, self.SIDE, own, SETTINGS.approach.model_copy(update=asked)))
+    def around(self, item: ObjectCloud = ITEM, own: OrientedBox | None = None, **asked: Any) -> list[Direction]:
+        return list(directions(item, self.SIDE, own, SETTINGS.approach.model_copy(update=asked)))
 
     def test_hands_come_from_all_around_and_first_along_the_objects_side(self) -> None:
-        _, *found = self.around(tilts_deg=(30.0, 60.0, 90.0))
-        assert [len(ring) for ring in found] == [8, 8, 8]
-        for ring, tilt in zip(found, (30, 60, 90), strict=True):
-            toward = np.array([each.toward for each in ring])
+        found = self.around(tilts_deg=(30.0, 60.0, 90.0))
+        assert len(found) == 24
+        for k, tilt in enumerate((30, 60, 90)):
+            toward = np.array([each.toward for each in found[8 * k : 8 * k + 8]])
             assert np.linalg.norm(toward, axis=1) == pytest.approx(1)
             assert [tilt_deg(each, UP) for each in toward] == pytest.approx([tilt] * 8)
             assert toward.mean(axis=0)[:2] == pytest.approx(0, abs=1e-9)
@@ -68,21 +68,21 @@ class TestDirections:
     def test_before_that_along_the_main_plane_s_normal_and_the_view(self) -> None:
         seen = replace(self.ITEM, viewpoint=np.array([0.0, -0.6, 0.8]))
         leaning = Frame(np.zeros(3), turned(40).axes)
-        first, *_ = self.around(seen, OrientedBox(leaning, np.ones(3), np.array([np.zeros(3), np.ones(3)])))
-        assert [each.known_from for each in first] == ["main_plane", "view"]
-        assert first[0].toward == pytest.approx(leaning.axes[2])
-        assert first[1].toward == pytest.approx([0.0, -0.6, 0.8])
+        first, second, *_ = self.around(seen, OrientedBox(leaning, np.ones(3), np.array([np.zeros(3), np.ones(3)])))
+        assert (first.known_from, second.known_from) == ("main_plane", "view")
+        assert first.toward == pytest.approx(leaning.axes[2])
+        assert second.toward == pytest.approx([0.0, -0.6, 0.8])
 
     def test_no_tilt_is_larger_than_the_largest_that_is_wanted(self) -> None:
         seen = replace(self.ITEM, viewpoint=np.array([0.0, -0.6, 0.8]))
-        first, *found = self.around(seen, max_tilt_deg=35.0)
-        assert first == []
-        assert len(found) == 2
+        found = self.around(seen, max_tilt_deg=35.0)
+        assert len(found) == 16
+        assert max(tilt_deg(each.toward, UP) for each in found) == pytest.approx(30)
 
     @pytest.mark.parametrize(("asked", "toward"), [("view", (0.0, -0.6, 0.8)), ((0.0, 0.0, -2.0), (0.0, 0.0, 1.0))])
     def test_a_direction_that_is_asked_for_is_the_only_one(self, asked: Any, toward: tuple[float, ...]) -> None:
         seen = replace(self.ITEM, viewpoint=np.array([0.0, -0.6, 0.8]))
-        ((found,),) = self.around(seen, directions=asked)
+        (found,) = self.around(seen, directions=asked)
         assert found.toward == pytest.approx(toward)
         assert self.around(seen, directions="top") == []
 
@@ -150,6 +150,25 @@ class TestBody:
         item = segment(self.CAMERA.sees(TABLE, self.BOX), SETTINGS.scene, 0).objects[0]
         assert item.floor is not None
         return Tilted(item, item.floor, SETTINGS.resolve(load_gripper("pr2")))
+
+    def test_along_the_plane_all_that_lies_below_it_is_in_the_way_and_nothing_above(self) -> None:
+        """A hand from the front, 4 mm over the table at least: the clearance that fingertips have from above."""
+        place = self.tilted().whole(np.array([0.0, -1.0, 0.0]), load_gripper("pr2"))
+        assert place is not None
+        beside = place.frame.to_local(np.array([[0.08, 0.0, height] for height in (0.001, 0.012, 0.04)]))
+        low, high, higher = place.surroundings.maps.rest.over(*beside[:, :2].T)  # type: ignore[attr-defined]
+        assert low > 1
+        assert max(high, higher) < -1
+
+    def test_it_is_known_which_of_its_surface_was_seen_and_which_was_taken_to_be_there(self) -> None:
+        toward = np.array([0.0, np.sin(np.radians(60)), np.cos(np.radians(60))])
+        place = self.tilted().whole(toward, load_gripper("pr2"))
+        assert place is not None
+        around = place.surroundings
+        assert isinstance(around, Aslant)
+        local = place.frame.to_local(place.points)
+        seen = np.isfinite(around.own.over(*local[:, :2].T))
+        assert 0.2 < seen.mean() < 0.9
 
     def test_what_was_hidden_below_its_rim_belongs_to_it(self) -> None:
         """Its far side was not seen. A hand from over there finds it as high as it is, 6 cm, and not the top's edge."""
