@@ -22,10 +22,11 @@ LISTED = 8
 """Differences shown of each document."""
 
 
-def documents(program: str, path: Path, options: list[str]) -> list[Any]:
+def documents(program: Path, path: Path, options: list[str]) -> list[Any]:
     """What a program says of a file; of one that it refuses, how it does."""
-    command = [program, "plan", str(path), "--json", *options]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603
+    command = [str(program), "plan", str(path.resolve()), "--json", *options]
+    # elsewhere: python -m would run the program of a checkout that is the current folder
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=program.parent)  # noqa: S603
     lines = [json.loads(line) for line in done.stdout.splitlines()]
     for line in lines:
         line.pop("timing_ms")
@@ -54,8 +55,8 @@ def same(old: Any, new: Any) -> bool:
 def main() -> int:
     """Compare."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("old")
-    parser.add_argument("new")
+    parser.add_argument("old", type=lambda text: Path(text).resolve())
+    parser.add_argument("new", type=lambda text: Path(text).resolve())
     parser.add_argument("clouds", nargs="+", type=Path)
     split = sys.argv.index("--") if "--" in sys.argv else len(sys.argv)
     args, options = parser.parse_args(sys.argv[1:split]), sys.argv[split + 1 :]

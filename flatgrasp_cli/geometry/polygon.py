@@ -6,12 +6,12 @@ lies to the left of the walk.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray, true_entries
+from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.kernels import outline
 
 END_SHARE = 1e-4
 
@@ -96,40 +96,16 @@ def contains(loops: Sequence[FloatArray], points: FloatArray) -> BoolArray:
     An edge counts for a horizontal ray when exactly one end lies above it, so a ray through a vertex counts once
     (Haines, "Point in Polygon Strategies", Graphics Gems IV, 1994).
     """
-    start, end = edges(loops)
-    (ax, ay), (bx, by), (x, y) = _columns(start), _columns(end), points.T  # (n, 1) against (m,)
-    edge, point = true_entries((ay > y) != (by > y))  # few of all: what follows runs over those alone
-    ax, ay, bx, by, x, y = ax[edge, 0], ay[edge, 0], bx[edge, 0], by[edge, 0], x[point], y[point]
-    right = x < ax + (bx - ax) / (by - ay) * (y - ay)
-    return np.asarray(np.bincount(point[right], minlength=len(points)) % 2 == 1)
+    return outline.contains(*edges(loops), points)
 
 
 def share_inside(loops: Sequence[FloatArray], starts: FloatArray, ends: FloatArray) -> FloatArray:
     """Share (m,) of each segment `starts`→`ends` (m, 2) that lies in the region, 0 to 1.
 
-    Summing the segment's parameter over its crossings, + where it leaves the region and − where it enters, measures the
-    length inside; a segment that ends inside adds 1. One pass over edges, no sorting. Segments are shortened by a
-    ten-thousandth at each end, for contacts lie on the boundary itself.
+    Segments are shortened by a ten-thousandth at each end, for contacts lie on the boundary itself.
     """
     along = (1 - 2 * END_SHARE) * (ends - starts)
-    starts = starts + END_SHARE * (ends - starts)
-    a, b = edges(loops)
-    (ax, ay), (ex, ey) = _columns(a), _columns(b - a)  # (n, 1) against (m,)
-    (sx, sy), (lx, ly) = starts.T, along.T
-    fx, fy = ax - sx, ay - sy
-    side = lx * fy - ly * fx  # of each edge's start, and below of its end, against the segment's line
-    determinant = lx * ey - ly * ex
-    edge, segment = true_entries((side > 0) != (side + determinant > 0))  # few of all
-    leaves = determinant[edge, segment]  # the region lies left of the edge: + leaves it
-    t = (fx[edge, segment] * ey[edge, 0] - fy[edge, segment] * ex[edge, 0]) / leaves
-    signed = np.where((t > 0) & (t < 1), np.copysign(t, leaves), 0.0)
-    inside = np.bincount(segment, weights=signed, minlength=len(starts)) + contains(loops, starts + along)
-    return np.asarray(np.clip(inside, 0.0, 1.0))
-
-
-def _columns(points: FloatArray) -> FloatArray:
-    """X and y of `points` (n, 2) as columns, (2, n, 1), to be held against rows."""
-    return np.ascontiguousarray(points.T)[:, :, None]
+    return outline.shares_inside(*edges(loops), starts + END_SHARE * (ends - starts), along)
 
 
 def circle_exits(loop: FloatArray, positions: FloatArray, radius: FloatArray | float) -> FloatArray:
@@ -141,38 +117,16 @@ def circle_exits(loop: FloatArray, positions: FloatArray, radius: FloatArray | f
     disc is convex, so the first edge that leaves it is the first whose end lies outside. Answers lie ahead of
     `positions` by at most one perimeter and are not reduced modulo it; NaN where the loop never leaves the circle.
     """
-    arc, n = arc_positions(loop), len(loop)
-    centres = points_at(loop, positions)
-    dx, dy = loop.T[:, None] - _columns(centres)  # (m, n)
-    outside = dx * dx + dy * dy > np.square(radius).reshape(-1, 1)
-    ahead = outside & (np.arange(n) >= np.searchsorted(arc, positions, side="right")[:, None])
-    end = np.where(ahead.any(axis=1), ahead.argmax(axis=1), outside.argmax(axis=1))  # in this round or the next
-    start = (end - 1) % n
-    unit = (loop[end] - loop[start]) / (arc[start + 1] - arc[start])[:, None]
-    to_centre = centres - loop[start]
-    along = dot(to_centre, unit) + np.sqrt(np.maximum(radius**2 - cross(to_centre, unit) ** 2, 0.0))
-    exits = positions + np.mod(arc[start] + along - positions, arc[-1])
-    return np.where(outside.any(axis=1), exits, np.nan)
+    radii = np.broadcast_to(np.asarray(radius, dtype=np.float64), positions.shape).copy()
+    return outline.circle_exits(loop, arc_positions(loop), positions, points_at(loop, positions), radii)
 
 
 def chord_walk(loop: FloatArray, radius: float) -> FloatArray:
     """Arc lengths (s,) of points met by stepping `radius` in a straight line from vertex 0 once around the loop.
 
-    Each step is an exit as in `circle_exits`, but the next starts where it ends: numbers one by one, so no numpy.
+    Each step is an exit as in `circle_exits`, but the next starts where it ends.
     """
-    vertices: list[tuple[float, float]] = [(x, y) for x, y in [*loop.tolist(), loop[0].tolist()]]
-    arc: list[float] = arc_positions(loop).tolist()
-    positions = [0.0]
-    centre = vertices[0]
-    for (ax, ay), (bx, by), begin, end in zip(vertices, vertices[1:], arc, arc[1:], strict=False):
-        ux, uy = (bx - ax) / (end - begin), (by - ay) / (end - begin)
-        while math.hypot(bx - centre[0], by - centre[1]) > radius:
-            px, py = centre[0] - ax, centre[1] - ay
-            off = px * uy - py * ux
-            along = px * ux + py * uy + math.sqrt(max(radius * radius - off * off, 0.0))
-            positions.append(begin + along)
-            centre = (ax + along * ux, ay + along * uy)
-    return np.array(positions)
+    return outline.chord_walk(loop, arc_positions(loop), radius)
 
 
 def ray_parity_inside(loop: FloatArray, point: FloatArray, far_points: FloatArray) -> bool:

@@ -15,6 +15,8 @@ T = TypeVar("T", "FingerCandidates", "GraspCandidates")
 def _select(table: T, keep: BoolArray | IntArray) -> T:
     """The rows of a table that a mask or an index array names; columns that are not filled yet stay so."""
     rows = np.flatnonzero(keep) if keep.dtype == np.bool_ else keep
+    if len(rows) == len(table) and np.array_equal(rows, np.arange(len(rows))):
+        return table
     columns = {column.name: getattr(table, column.name) for column in fields(table)}
     return type(table)(
         **{name: values.take(rows, axis=0) if len(values) else values for name, values in columns.items()}

@@ -37,15 +37,14 @@ class Rejection:
 class Trace:
     """Diagnostics: what each step of the method saw, for figures and for study. No answer depends on it.
 
-    It is filled while the method runs; None is what was not reached. `force_balance_deg` (m, k) is γ of all candidates
-    for jaw 0 with all for jaw 1. `survivors` maps a stage's name to the (k, 2) pairs of candidates that it kept, in the
-    method's order; `ranked` are the last of them, best first, and `gravity_distance_m` theirs.
+    It is filled while the method runs; None is what was not reached. `survivors` maps a stage's name to the (k, 2)
+    pairs of candidates that it kept, in the method's order; `ranked` are the last of them, best first, and
+    `gravity_distance_m` theirs.
     """
 
     steps: tuple[StepPoints, ...] = ()
     fingers: FingerCandidates | None = None
     doubted_directions: int = 0
-    force_balance_deg: FloatArray | None = None
     survivors: dict[str, IntArray] = field(default_factory=dict)
     ranked: IntArray | None = None
     gravity_distance_m: FloatArray | None = None

@@ -6,7 +6,7 @@ import numpy as np
 
 from flatgrasp_cli.funnel import Funnel
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates, PlaneShape
-from flatgrasp_cli.planner.balance import force_balance, force_balanced, torque_balanced
+from flatgrasp_cli.planner.balance import force_balanced, torque_balanced
 from flatgrasp_cli.planner.contacts import touching
 from flatgrasp_cli.planner.fingers import finger_candidates, inward_directions, step_points
 from flatgrasp_cli.planner.grasping_range import closing_axes, in_range, on_pads
@@ -37,8 +37,7 @@ def section_three(
     fingers = trace.fingers = surroundings.sides(fingers, funnel)
 
     # B.1 force balance of all pairs; B.2 torque balance
-    gamma_deg = trace.force_balance_deg = force_balance(fingers)
-    grasps = force_balanced(fingers, gamma_deg, settings.balance, funnel)
+    grasps = force_balanced(fingers, settings.balance, funnel)
     grasps = torque_balanced(grasps, settings.balance, funnel)
 
     # B.3 grasping range; B.4 variance; B.5 operability

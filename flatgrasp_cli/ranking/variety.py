@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from flatgrasp_cli.geometry.polygon import cross
+from flatgrasp_cli.kernels import variety
 from flatgrasp_cli.model import GraspCandidates
 from flatgrasp_cli.profiles.settings import VarietySettings
 
@@ -17,14 +17,7 @@ def differing(grasps: GraspCandidates, rows: Iterable[int], settings: VarietySet
     Non-maximum suppression: two grasps are alike if their hands are nearer than `apart_m` and their closing axes, taken
     either way, less than `apart_deg` from parallel.
     """
-    center, axis = grasps.center, grasps.axis
-    turned = np.sin(np.radians(settings.apart_deg))
-    left, kept = np.fromiter(rows, dtype=np.intp), list[int]()
-    while len(left) > 0 and len(kept) < most:
-        best = int(left[0])
-        kept.append(best)
-        near = np.linalg.norm(center[left] - center[best], axis=1) < settings.apart_m
-        alike = near & (np.abs(cross(axis[left], axis[best])) < turned)
-        alike[0] = True
-        left = left[~alike]
+    turned = float(np.sin(np.radians(settings.apart_deg)))
+    order = np.fromiter(rows, dtype=np.intp)
+    kept: list[int] = variety.differing(grasps.center, grasps.axis, order, settings.apart_m, turned, most).tolist()
     return kept

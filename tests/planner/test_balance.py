@@ -1,4 +1,4 @@
-"""Force balance, torque balance and friction: the vectorised kernels against their definitions."""
+"""Force balance, torque balance and friction against their definitions."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from flatgrasp_cli import load_settings
 from flatgrasp_cli.funnel import Funnel, NothingLeft
-from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
+from flatgrasp_cli.kernels import pairs
 from flatgrasp_cli.model import FingerCandidates
 from flatgrasp_cli.planner import balance
 from flatgrasp_cli.profiles import Gripper
@@ -24,6 +25,13 @@ def random_candidates(seed: int, n: int = 12) -> FingerCandidates:
     rng = np.random.default_rng(seed)
     angles = rng.uniform(0, 2 * np.pi, n)
     return candidates(rng.uniform(-0.1, 0.1, (n, 2)), np.column_stack([np.cos(angles), np.sin(angles)]))
+
+
+def all_pairs(fingers: FingerCandidates, facing: bool = True) -> tuple[IntArray, list[int]]:
+    """The pairs of whatever balance, and how many there are without and with the need to face each other."""
+    counts = np.zeros(2, dtype=np.intp)
+    found = pairs.balanced(fingers.contact, fingers.direction, fingers.jaw, facing, 180.0, counts)
+    return found, counts.tolist()
 
 
 def signed_angle(a: FloatArray, b: FloatArray) -> float:
@@ -47,48 +55,45 @@ def test_gamma_is_the_resultant_of_two_unit_forces(seed: int) -> None:
 def test_required_friction_is_nguyens_force_closure(seed: int, friction: float) -> None:
     """γ/2 + |ā| < atan μ, both contacts' forces inside their friction cones, and μ above the required: all the same."""
     fingers = random_candidates(seed)
-    rows, columns = balance.opposing_candidates(fingers)
-    i, j = (index.ravel() for index in np.meshgrid(rows, columns, indexing="ij"))
-    face = balance.facing(fingers, rows, columns).ravel() & (i != j)
-    gamma = balance.force_balance(fingers).ravel()
-    pairs = balance.weigh(fingers, i[face], j[face], gamma[face])
-    for k in range(len(pairs)):
-        a, b = fingers.contact[pairs.i[k]], fingers.contact[pairs.j[k]]
+    weighed = balance.weigh(fingers, all_pairs(fingers)[0])
+    for k in range(len(weighed)):
+        a, b = fingers.contact[weighed.i[k]], fingers.contact[weighed.j[k]]
         e = (b - a) / np.linalg.norm(b - a)
-        a_i, a_j = signed_angle(e, fingers.direction[pairs.i[k]]), signed_angle(e, -fingers.direction[pairs.j[k]])
-        identity = math.radians(pairs.force_balance_deg[k]) / 2 + abs(a_i + a_j) / 2
-        assert math.atan(pairs.required_friction[k]) == pytest.approx(identity, abs=1e-6)
+        a_i, a_j = signed_angle(e, fingers.direction[weighed.i[k]]), signed_angle(e, -fingers.direction[weighed.j[k]])
+        identity = math.radians(weighed.force_balance_deg[k]) / 2 + abs(a_i + a_j) / 2
+        assert math.atan(weighed.required_friction[k]) == pytest.approx(identity, abs=1e-6)
         cones = max(abs(a_i), abs(a_j)) < math.atan(friction)
-        assert cones == (pairs.required_friction[k] < friction)
+        assert cones == (weighed.required_friction[k] < friction)
 
 
 @given(seeds)
 def test_torque_arm_is_the_couple_of_two_unit_forces(seed: int) -> None:
     fingers = random_candidates(seed)
     i, j = np.array([0, 1, 2]), np.array([3, 4, 5])
-    pairs = balance.weigh(fingers, i, j, np.zeros(3))
+    weighed = balance.weigh(fingers, np.array([i, j]))
     middle = (fingers.contact[i] + fingers.contact[j]) / 2
     torque = np.zeros(3)
     for index in (i, j):
         arm, force = fingers.contact[index] - middle, fingers.direction[index]
         torque += arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
-    assert pairs.torque_arm_m == pytest.approx(np.abs(torque), abs=1e-12)
+    assert weighed.torque_arm_m == pytest.approx(np.abs(torque), abs=1e-12)
 
 
 def test_two_inner_sides_of_a_gap_do_not_face_each_other() -> None:
     """A U's inner sides: the directions point into the material, away from each other."""
     u_shape = candidates(np.array([[-0.01, 0.0], [0.01, 0.0]]), np.array([[-1.0, 0.0], [1.0, 0.0]]))
-    rows, columns = balance.opposing_candidates(u_shape)
     assert balance.force_balance(u_shape)[0, 1] == pytest.approx(0.0)  # perfectly balanced, and useless
-    assert not balance.facing(u_shape, rows, columns)[0, 1]
+    assert all_pairs(u_shape, facing=False)[0].tolist() == [[0], [1]]
+    found, counts = all_pairs(u_shape)
+    assert (found.size, counts) == (0, [1, 0])
 
 
 def test_each_two_equal_fingers_are_one_pair_but_a_thumb_meets_every_finger_pair() -> None:
     points, directions = np.zeros((4, 2)), np.tile([1.0, 0.0], (4, 1))
     equal = candidates(points, directions)
-    assert balance.distinct(equal, *balance.opposing_candidates(equal)).sum() == 6
+    assert all_pairs(equal, facing=False)[1][0] == 6
     thumbs = candidates(points, directions, [0, 0, 1, 1])
-    assert balance.distinct(thumbs, *balance.opposing_candidates(thumbs)).sum() == 4
+    assert all_pairs(thumbs, facing=False)[0].tolist() == [[0, 0, 1, 1], [2, 3, 2, 3]]
 
 
 @pytest.mark.parametrize(("turned_deg", "kept"), [(24, True), (30, False)])
@@ -97,9 +102,9 @@ def test_gamma_uses_half_of_the_friction_cone(turned_deg: float, kept: bool, pr2
     limits = load_settings().resolve(pr2).balance
     turn = np.radians(90 + turned_deg)
     fingers = candidates(np.array([[0.0, -0.02], [0.0, 0.02]]), np.array([[0.0, 1.0], [-np.cos(turn), -np.sin(turn)]]))
-    gamma, funnel = balance.force_balance(fingers), Funnel()
+    funnel = Funnel()
     if kept:
-        assert len(balance.force_balanced(fingers, gamma, limits, funnel)) == 1
+        assert len(balance.force_balanced(fingers, limits, funnel)) == 1
     else:
         with pytest.raises(NothingLeft, match=r"allowed 26\.6"):
-            balance.force_balanced(fingers, gamma, limits, funnel)
+            balance.force_balanced(fingers, limits, funnel)

@@ -14,6 +14,7 @@ from flatgrasp_cli.funnel import Funnel, NothingLeft
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.polygon import left_normal
+from flatgrasp_cli.kernels import pairs as kernels
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates, Silhouette
 from flatgrasp_cli.planner import balance
 from flatgrasp_cli.planner.contacts import pad_contacts
@@ -44,11 +45,9 @@ def pairs_on(outline: Silhouette, gripper: Gripper) -> tuple[FingerCandidates, G
     planner = load_settings().resolve(gripper)
     chords = finger_candidates(outline, step_points(outline, planner.fingers), gripper, planner.fingers)
     fingers, _ = inward_directions(outline, chords, planner.fingers, 0)
-    rows, columns = balance.opposing_candidates(fingers)
-    gamma = balance.force_balance(fingers)
-    allowed = balance.distinct(fingers, rows, columns) & balance.facing(fingers, rows, columns) & (gamma < 25)
-    row, column = np.nonzero(allowed)
-    pairs = balance.weigh(fingers, rows[row], columns[column], gamma[row, column])
+    counts = np.zeros(2, dtype=np.intp)
+    found = kernels.balanced(fingers.contact, fingers.direction, fingers.jaw, True, 25.0, counts)
+    pairs = balance.weigh(fingers, found)
     return fingers, closing_axes(fingers, pairs, "bisector")
 
 

@@ -90,7 +90,7 @@ def test_force_closed_exactly_when_friction_suffices(seed: int) -> None:
     epsilon = point_quality(contacts, normals, 0.5, ORIGIN)
     k = len(contacts)
     fingers = candidates(contacts.reshape(-1, 2), normals.reshape(-1, 2))
-    pairs = balance.weigh(fingers, np.arange(0, 2 * k, 2), np.arange(1, 2 * k, 2), np.zeros(k))
+    pairs = balance.weigh(fingers, np.arange(2 * k).reshape(k, 2).T.copy())
     margin = friction_margin(pairs.required_friction, 0.5)
     clear = np.abs(margin) > 1e-6
     assert (epsilon[clear] > 0).tolist() == (margin[clear] > 0).tolist()

@@ -11,6 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
 from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion
 from flatgrasp_cli.model import ObjectPlan, OrientedBox, Silhouette
+from flatgrasp_cli.planner.balance import force_balance
 from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.results.figures.close import draw_close
 from flatgrasp_cli.results.figures.hand import CORNERS
@@ -96,8 +97,8 @@ def balance_surface(_: Plan, item: ObjectPlan) -> Figure:
 
 def resultant(item: ObjectPlan) -> FloatArray:
     """|n_i + n_j| = 2·sin(γ/2) of every pair: 0 for the best, 2 for the worst."""
-    gamma = item.trace.force_balance_deg
-    return np.empty((0, 0)) if gamma is None else np.asarray(2 * np.sin(np.radians(gamma) / 2))
+    fingers = item.trace.fingers
+    return np.empty((0, 0)) if fingers is None else np.asarray(2 * np.sin(np.radians(force_balance(fingers)) / 2))
 
 
 def final_on_cloud(plan: Plan, item: ObjectPlan) -> Figure:
