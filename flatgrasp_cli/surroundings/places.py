@@ -24,7 +24,7 @@ from flatgrasp_cli.surroundings.envelope import Envelope
 from flatgrasp_cli.surroundings.interface import Surroundings
 from flatgrasp_cli.surroundings.maps import HeightMaps
 from flatgrasp_cli.surroundings.on_support import OnSupport
-from flatgrasp_cli.surroundings.slices import Slice, slices, top_of
+from flatgrasp_cli.surroundings.slices import Slice, slices
 from flatgrasp_cli.surroundings.view import View
 
 PIXEL_CELLS = 1.5
@@ -111,7 +111,7 @@ def _slices(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, setting
         lowest_m=lowest.level_m,
         ground_m=settings.depth.min_clearance_m,
         maps=HeightMaps(surface=highest.averaged(local), rest=others, highest=highest, coarse=coarse),
-        envelope=Envelope.of(highest, view, top_of(local[:, 2])),
+        envelope=Envelope(highest, view),
         view=view,
         settings=settings,
     )

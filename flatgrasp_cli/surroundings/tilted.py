@@ -144,7 +144,7 @@ class Tilted:
                 highest=highest,
                 coarse=coarse.raised(local),
             ),
-            envelope=Envelope.of(highest, view, top_of(local[:, 2])),
+            envelope=Envelope(highest, view),
             view=view,
             settings=self.settings,
             height_m=self._height_m,

@@ -48,32 +48,39 @@ class Shadow:
 def behind_a_box(shadow_mm: Relief, top_mm: float = 40.0) -> Envelope:
     """The envelope about a box that reaches from y = 0 inward, with nothing seen outward of it."""
     view: Any = Shadow(shadow_mm)
-    return Envelope.of(surface(lambda _x, y: np.where(y >= 0, top_mm, np.nan)), view, top_mm * MM)
+    return Envelope(surface(lambda _x, y: np.where(y >= 0, top_mm, np.nan)), view)
 
 
 class TestEnvelope:
-    def test_what_was_seen_is_where_it_was_seen(self) -> None:
-        envelope = behind_a_box(lambda _x, y: 40 + y)
-        x, y = np.zeros(3), MM * np.array([10.0, 20.0, 30.0])
-        assert envelope.lowest.over(x, y) == pytest.approx(40 * MM)
-        assert envelope.highest.over(x, y) == pytest.approx(40 * MM)
+    OUT_M = -MM * np.array([5.0, 15.0, 25.0, 35.0])
 
-    def test_behind_that_it_may_be_as_high_as_the_shadow(self) -> None:
+    def highest_mm(self, envelope: Envelope, y_m: FloatArray) -> FloatArray:
+        """The highest level, to a millimetre, that something may reach."""
+        levels = MM * np.arange(60.0)
+        may = np.array([envelope.may_reach(level, 0 * y_m, y_m) for level in levels])
+        return np.asarray(may.sum(axis=0))
+
+    def test_behind_an_object_something_may_be_as_high_as_the_shadow(self) -> None:
         """A ray at 45° over the edge."""
         envelope = behind_a_box(lambda _x, y: 40 + y)
-        x, y = np.zeros(4), -MM * np.array([5.0, 15.0, 25.0, 35.0])
-        assert (envelope.lowest.over(x, y) == UNSEEN).all()
-        assert envelope.highest.over(x, y) == pytest.approx(40 * MM + y, abs=1.5 * CELL_M)
+        assert (envelope.lowest.over(0 * self.OUT_M, self.OUT_M) == UNSEEN).all()
+        assert self.highest_mm(envelope, self.OUT_M) == pytest.approx([35, 25, 15, 5], abs=1)
 
-    def test_hidden_things_are_no_higher_than_the_object(self) -> None:
-        envelope = behind_a_box(lambda _x, y: 300 + 0 * y)
-        assert envelope.highest.heights.max() == pytest.approx(40 * MM)
+    def test_before_what_was_seen_deep_down_something_may_hide_all_the_same(self) -> None:
+        """As it does for a hand that comes from where the sensor was not: under the brim of what it looked down on."""
+        view: Any = Shadow(lambda _x, y: 40 + y)
+        deep = surface(lambda _x, y: np.where(y >= 0, 40.0, 2.0))
+        assert self.highest_mm(Envelope(deep, view), self.OUT_M) == pytest.approx([33, 23, 13, 3], abs=1)
 
-    def test_where_all_was_seen_nothing_may_stand(self) -> None:
-        chart = surface(lambda _x, y: np.where(y >= 0, 40.0, 0.0))
+    def test_what_was_seen_is_no_question(self) -> None:
         dark: Any = Shadow(lambda _x, y: 300 + 0 * y)
-        envelope = Envelope.of(chart, dark, 40 * MM)
-        assert not envelope.may_reach(LEVEL_M, np.zeros(9), np.linspace(-30, 30, 9) * MM).any()
+        seen = Envelope(surface(lambda _x, y: 40 + 0 * y), dark)
+        assert not seen.may_reach(LEVEL_M, np.zeros(9), np.linspace(-30, 30, 9) * MM).any()
+
+    def test_where_all_was_seen_to_be_free_nothing_may_stand(self) -> None:
+        light: Any = Shadow(lambda _x, y: 0 * y)
+        free = Envelope(surface(lambda _x, y: np.where(y >= 0, 40.0, 0.0)), light)
+        assert not free.may_reach(LEVEL_M, np.zeros(9), np.linspace(-30, 30, 9) * MM).any()
 
 
 class TestUnseenBeyond:
@@ -92,9 +99,9 @@ class TestUnseenBeyond:
     @pytest.mark.parametrize(("seen_mm", "bound"), [(6, 0.0), (4, 36.0)])
     def test_half_of_the_pads_places_decide(self, seen_mm: float, bound: float) -> None:
         """Where the plane was seen beside a narrow shadow: at |x| of more than 6 or 4 mm on a pad of 20."""
-        wide = surface(lambda x, y: np.where(y >= 0, 40.0, np.where(np.abs(x) < 10 - seen_mm, np.nan, 0.0)))
-        narrow: Any = Shadow(lambda _x, y: 300 + 0 * y)
-        found = unseen_beyond(AT_ORIGIN, Envelope.of(wide, narrow, 40 * MM), LEVEL_M)[0]
+        wide = surface(lambda _x, y: np.where(y >= 0, 40.0, np.nan))
+        narrow: Any = Shadow(lambda x, _y: np.where(np.abs(x) < 10 - seen_mm, 300.0, 0.0))
+        found = unseen_beyond(AT_ORIGIN, Envelope(wide, narrow), LEVEL_M)[0]
         assert (found > 0) == (bound > 0)
 
 
