@@ -45,7 +45,7 @@ STAGES = {
     "read": (),
     "support plane": ((segmentation, "find_support_plane"),),
     "objects": ((segmentation, "find_clusters"), (segmentation, "objects_of")),
-    "surroundings": ((objects, "places"), (Tilted, "place"), (objects, "from_the_side")),
+    "surroundings": ((objects, "places"), (Tilted, "whole")),
     "silhouette": ((answers, "silhouette_of"),),
     "finger candidates": (
         (pipeline, "step_points"),

@@ -1,0 +1,96 @@
+"""From which side the hand comes: what is asked for, what is enough, and what is said of it; the table is z = 0."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from flatgrasp_cli import Plan, load_gripper, load_robot, load_settings, plan
+from flatgrasp_cli.geometry.frames import axes_from_quaternion
+from flatgrasp_cli.profiles import Robot
+from flatgrasp_cli.results.document import to_document
+from tests.conftest import TABLE, Box, Camera, Solid, Tube
+from tests.scene.test_heaps import distance
+from tests.surroundings.on_a_table import KINECT, hand_in
+
+CAMERA = Camera(tilt_deg=45, distance=0.9, target=(0.0, 0.0, 0.1), pixels=(400, 300), focal=400.0)
+TOWER = tuple(Tube((0.0, 0.0, 0.1 * k + 0.05), 0.033, 0.1) for k in range(3))
+LYING_CAN = Tube((0.0, 0.0, 0.033), 0.033, 0.12, (1.0, 0.0, 0.0))
+
+
+def planned(*solids: Solid, camera: Camera = CAMERA, robot: Robot | None = None, **asked: Any) -> Plan:
+    overrides = tuple(f"approach.{key}={value}" for key, value in asked.items())
+    return plan(camera.sees(TABLE, *solids), load_gripper("pr2"), load_settings("default", overrides), robot=robot)
+
+
+def free_m(found: Plan, *solids: Solid) -> float:
+    """How much room the hands of all grasps of the first object have at least, at the grasp and on the way there."""
+    hands = [hand_in(g, found.gripper, back_m=back) for g in found.objects[0].grasps for back in (0, 0.03, 0.06, 0.1)]
+    return min(min(float(distance(solid, hand).min()) for solid in solids) for hand in hands)
+
+
+class TestTower:
+    def test_of_three_cans_is_had_from_the_side_that_is_asked_for(self) -> None:
+        found = planned(*TOWER, directions="[0, 1, 0]")
+        assert found.best is not None, found.reason
+        assert found.best.approach.known_from == "given"
+        assert found.best.tilt_deg == pytest.approx(90, abs=0.5)
+        assert found.best.width_m == pytest.approx(0.066, abs=0.003)
+        assert free_m(found, *TOWER, TABLE) > 0
+
+    def test_goes_back_before_it_is_lifted(self) -> None:
+        grasp = planned(*TOWER, directions="[0, 1, 0]").best
+        assert grasp is not None
+        assert grasp.pre_grasp.position - grasp.position == pytest.approx([0, -0.1, 0], abs=1e-3)
+        assert grasp.lift.position - grasp.position == pytest.approx([0, -0.1, 0.1], abs=1e-3)
+
+
+class TestEnough:
+    @pytest.mark.parametrize(("enough", "aslant"), [(0.01, False), (0.999, True)])
+    def test_other_directions_are_tried_where_straight_down_is_not_enough(self, enough: float, aslant: bool) -> None:
+        found = planned(LYING_CAN, camera=KINECT, enough=enough)
+        down = planned(LYING_CAN, camera=KINECT, directions="top")
+        for each in (found, down):
+            assert each.best is not None
+            assert each.best.success is not None
+        assert (found.best.tilt_deg > 1) == aslant  # type: ignore[union-attr]
+        assert found.best.success.probability >= down.best.success.probability  # type: ignore[union-attr]
+        assert (found.objects[0].why_not_top is not None) == aslant
+
+    def test_any_is_at_least_as_good_as_what_is_enough(self) -> None:
+        enough, best = (planned(LYING_CAN, camera=KINECT, directions=asked).best for asked in ("auto", "any"))
+        assert enough is not None
+        assert best is not None
+        assert best.success.probability >= enough.success.probability - 0.01  # type: ignore[union-attr]
+
+
+def test_a_direction_that_the_arm_cannot_serve_falls_out() -> None:
+    """At the robot's own base no hand comes straight down; from aslant it gets there."""
+    at_base, near = Box((0.02, 0.0, 0.02), (0.1, 0.04, 0.04)), Camera(target=(0.02, 0.0, 0.0))
+    found = planned(at_base, camera=near, robot=load_robot("ur5"))
+    assert found.best is not None, found.reason
+    assert found.best.tilt_deg > 1
+    assert found.objects[0].why_not_top == "the robot reaches none of the grasps from straight above"
+
+
+def test_the_document_says_which_way_the_hand_comes_and_why_not_straight_down() -> None:
+    board, below = Box((0.0, 0.14, 0.26), (0.7, 0.28, 0.02)), Box((0.05, 0.12, 0.05), (0.05, 0.05, 0.1))
+    shelf = Camera(tilt_deg=60, distance=0.9, target=(0.0, 0.05, 0.1), pixels=(400, 300), focal=400.0)
+    objects = to_document(planned(board, below, camera=shelf))["objects"]
+    (item,) = (each for each in objects if each["grasps"])
+    grasp = item["grasps"][0]
+    approach = axes_from_quaternion(np.array(grasp["pose"]["orientation"]))[2]
+    assert grasp["approach"]["direction"] == pytest.approx(approach.tolist(), abs=1e-6)
+    assert grasp["approach"]["tilt_deg"] == pytest.approx(np.degrees(np.arccos(-approach[2])), abs=1)
+    assert grasp["approach"]["known_from"] in {"main_plane", "view"}
+    assert "too high to grip" in item["why_not_top"]
+
+
+def test_without_a_grasp_the_nearest_miss_of_all_directions_is_named() -> None:
+    found = planned(Box((0.0, 0.0, 0.1), (0.3, 0.15, 0.2)))
+    assert found.best is None
+    straight, aslant = str(found.reason).split("; ", 1)
+    assert "narrowest graspable width" in straight
+    assert "° aslant, " in aslant
