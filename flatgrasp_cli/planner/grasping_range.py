@@ -6,7 +6,8 @@ import numpy as np
 
 from flatgrasp_cli.funnel import Funnel
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.geometry.polygon import cross, dot
+from flatgrasp_cli.geometry.polygon import cross
+from flatgrasp_cli.kernels import pads as kernels
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import HandSettings
@@ -59,8 +60,5 @@ def extents(fingers: FingerCandidates, grasps: GraspCandidates) -> FloatArray:
 
     Their sum is the width that the jaws must clear; the distance between the contacts can be less.
     """
-    middle = dot(grasps.middle, grasps.axis)
-    x, y = np.ascontiguousarray(fingers.arcs.T)  # (k, m) each: reductions run fast over a long last axis
-    along_x, along_y = grasps.axis.T
-    low, high = (x.take(k, axis=1) * along_x + y.take(k, axis=1) * along_y for k in (grasps.i, grasps.j))
-    return np.stack([middle - low.min(axis=0), high.max(axis=0) - middle])
+    reach: FloatArray = kernels.extents(grasps.middle, grasps.axis, fingers.arcs, np.stack([grasps.i, grasps.j]))
+    return reach

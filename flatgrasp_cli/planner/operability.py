@@ -6,8 +6,9 @@ import numpy as np
 
 from flatgrasp_cli.funnel import Funnel
 from flatgrasp_cli.geometry.arrays import FloatArray, chunks
-from flatgrasp_cli.geometry.chain import Chain, closed_chain
+from flatgrasp_cli.geometry.chain import closed_chain
 from flatgrasp_cli.geometry.polygon import in_frames
+from flatgrasp_cli.kernels import pads as kernels
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates, Silhouette
 from flatgrasp_cli.planner.grasping_range import extents, half_widths
 from flatgrasp_cli.profiles.gripper import Gripper
@@ -66,37 +67,13 @@ def swept_fit(
     width below its candidate: it rests on something else.
     """
     points, breaks = closed_chain(silhouette.loops)
+    edges = np.delete(np.arange(len(points) - 1), breaks)
     reach = extents(fingers, grasps)
-    level = reach + tolerance_m
-    pads, room = np.empty((2, len(grasps))), np.empty((2, len(grasps)))
-    for part in chunks(len(grasps), len(points)):
-        x, y = in_frames(points, grasps.middle[part], grasps.axis[part])
-        boundary = Chain.of(x, y, breaks)
-        for side, seen in ((0, boundary.flipped()), (1, boundary)):
-            pads[side, part], room[side, part] = _jaw_fit(
-                seen, level[side, part], gripper.jaws[side], gripper.finger_width_m
-            )
+    offsets = np.array([[jaw, offset] for jaw in (0, 1) for offset in gripper.jaws[jaw]])
+    hands = np.column_stack([grasps.middle, grasps.axis])
+    pads, room = kernels.swept(points, edges, hands, offsets, 0.5 * gripper.finger_width_m, reach + tolerance_m)
     sunk = reach - pads > half_widths(gripper)
     return pads, np.where(sunk, 0.0, room)
-
-
-def _jaw_fit(
-    silhouette: Chain, level: FloatArray, offsets: tuple[float, ...], finger_width: float
-) -> tuple[FloatArray, FloatArray]:
-    """Pad distance and room (p,) of a jaw with fingers at `offsets`, for a silhouette seen with +y out to that jaw.
-
-    A pad may rest on boundary up to `level` (p,).
-    """
-    pad, obstacle = np.full(len(level), -np.inf), np.full(len(level), np.inf)
-    for offset in offsets:
-        meets, lowest, highest = silhouette.clipped(offset - finger_width / 2, offset + finger_width / 2)
-        beyond = highest > level
-        pad = np.maximum(pad, np.where(meets & ~beyond, highest, -np.inf).max(axis=0))
-        obstacle = np.minimum(obstacle, np.where(meets & beyond, lowest, np.inf).min(axis=0))
-        obstacle[(obstacle < level) | silhouette.holds(offset, level)] = -np.inf
-    touches = np.isfinite(pad)
-    pad = np.where(touches, pad, 0.0)
-    return pad, np.where(touches, np.maximum(obstacle - pad, 0.0), 0.0)
 
 
 def eq2_fit(
