@@ -20,8 +20,7 @@ from flatgrasp_cli.model import FingerCandidates, GraspCandidates, OpenHands, Si
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.surroundings.below import Stops, breadth_m
 from flatgrasp_cli.surroundings.on_support import OnSupport
-from flatgrasp_cli.surroundings.sight import ACROSS, TOP_M
-from flatgrasp_cli.surroundings.walls import pad_places
+from flatgrasp_cli.surroundings.walls import ALONG_PAD, INWARD_M, WALL_PLACES, pad_places
 
 ALONG_FINGER, BESIDE_M = (0.03, 0.12, 0.3, 0.7), 0.004
 """Where a finger's space is looked into, in shares of its length from its tip, and how near to the object, metres."""
@@ -43,15 +42,10 @@ class Aslant(OnSupport):
 
     own: HeightMap = field(kw_only=True)
 
-    def of_known_thickness(
-        self, fingers: FingerCandidates, grasps: GraspCandidates, funnel: Funnel, /
-    ) -> GraspCandidates:
-        """The pairs of which a finger comes to a surface that was seen, and not only to what it may hide."""
-        seen = np.isfinite(self.own.over(*pad_places(fingers, TOP_M, ACROSS))).mean(axis=(0, 1))
-        touched = np.maximum(seen[grasps.i], seen[grasps.j])
-        grasps = grasps.select(np.flatnonzero(touched >= SEEN_SHARE))
-        funnel.count("seen", len(grasps), "the fingers would close on sides of the object that were not seen")
-        return OnSupport.of_known_thickness(self, fingers, grasps, funnel)
+    def _seen_at_a_pad(self, fingers: FingerCandidates, grasps: GraspCandidates) -> BoolArray:
+        """Of which pairs (p,) a finger comes to a surface that was seen, and not only to what that may hide."""
+        seen = np.isfinite(self.own.over(*pad_places(fingers, INWARD_M[:WALL_PLACES], ALONG_PAD))).mean(axis=(0, 1))
+        return np.asarray(np.maximum(seen[grasps.i], seen[grasps.j]) >= SEEN_SHARE)
 
     def approached(
         self,
@@ -63,6 +57,8 @@ class Aslant(OnSupport):
         /,
     ) -> GraspCandidates:
         """The pairs to which the hand can come, through space that was seen to be free or lies behind the object."""
+        grasps = grasps.select(self._seen_at_a_pad(fingers, grasps))
+        funnel.count("seen", len(grasps), "the fingers would close on sides of the object that were not seen")
         grasps = grasps.select(np.flatnonzero(self._has_palm_room(grasps, gripper)))
         funnel.count("palm_room", len(grasps), "the palm has no room over the object")
         grasps = OnSupport.approached(self, silhouette, fingers, grasps, gripper, funnel)
