@@ -30,7 +30,7 @@ from flatgrasp_cli.surroundings import Direction, Place, Surroundings
 CONSIDERED = 2000
 """How many of an object's best grasps those to be listed are chosen from: all of them as a rule."""
 
-EXTRA_STAGES = {"palm_room", "upright"}
+EXTRA_STAGES = {"palm_room", "seen", "upright"}
 """Stages that there are only for some directions or levels: one that has them came no further for that."""
 
 

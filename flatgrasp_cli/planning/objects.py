@@ -65,6 +65,8 @@ def _from_any_side(search: Search, tilted: Tilted, box: OrientedBox, found: list
         return _nothing("palm_room", "from no direction that was asked for has the palm room over the object")
     if not found or best is found[0]:
         return best
+    if not best.is_served and found[0].grasps is not None:
+        return found[0]  # the arm gets to none of them: people look for those from straight above
     return replace(best, why_not_top=search.shortcoming(found[0])) if best.grasps else _nearest(found[0], best, cloud)
 
 

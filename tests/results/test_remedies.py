@@ -100,7 +100,8 @@ def test_an_arm_that_reaches_is_named(pr2: Gripper) -> None:
     seen = CAMERA.sees(TABLE, block)
     for away, robot, said in ((0.75, "ur3", "--robot ur5 reaches 0.85 m"), (3.0, "ur10", "is --camera-pose right?")):
         cloud = replace(seen, points=seen.points + np.array([away, 0.0, 0.0]), viewpoint=np.array([away, 0, 0.8]))
-        assert words(plan(cloud, pr2, robot=load_robot(robot))).endswith(said)
+        down = load_settings("default", ("approach.directions=top",))
+        assert words(plan(cloud, pr2, down, robot=load_robot(robot))).endswith(said)
 
 
 def test_a_pen_of_a_few_points_is_too_coarse_for_its_outline(pr2: Gripper) -> None:

@@ -44,7 +44,7 @@ class ApproachSettings(Profile):
     """Straight down, and from other sides where that is not `enough` (auto); straight down alone; along the sensor's
     view; whichever of all is best; or as this vector of any length points, in the cloud's frame."""
     enough: Share
-    """A grasp that holds at least as probably ends the search for better directions."""
+    """A grasp whose probability of success is at least this share of 1 ends the search for a better direction."""
     tilts_deg: tuple[Annotated[float, Field(ge=5, le=90)], ...]
     """How far from straight down, degrees: each only if those before it leave nothing that is enough. Empty: none."""
     max_tilt_deg: Annotated[float, Field(ge=0, le=90)]
