@@ -58,7 +58,6 @@ STAGES = {
         (pipeline, "torque_balanced"),
         (pipeline, "closing_axes"),
         (pipeline, "on_pads"),
-        (OnSupport, "of_known_thickness"),
         (pipeline, "in_range"),
         (pipeline, "flat"),
     ),

@@ -38,7 +38,7 @@ SECTIONS: dict[str, list[tuple[ModuleType | type, str]]] = {
     "B.5": [(pipeline, "operable")],
     "3-D": [
         (objects, "places"),
-        *((of, name) for of in (Alone, OnSupport) for name in ("sides", "of_known_thickness", "approached")),
+        *((of, name) for of in (Alone, OnSupport) for name in ("sides", "approached")),
     ],
     "C": [(pipeline, "best_first")],
 }

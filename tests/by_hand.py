@@ -37,7 +37,6 @@ def candidates(contacts: FloatArray, directions: FloatArray, jaws: list[int] | N
         variance=np.zeros(n),
         arc_ratio=np.ones(n),
         hidden=np.zeros(n),
-        seen=np.ones(n, dtype=np.bool_),
     )
 
 

@@ -22,7 +22,6 @@ WORDS = {
     "pads": "no two sides that whole pads press on",
     "grasping_range": "too wide or too narrow for the gripper",
     "variance": "no sides that are even enough",
-    "seen": "sides that were not seen",
     "operability": "no room for the fingers",
     "depth": "the fingers do not get deep enough",
     "palm": "the palm would collide",

@@ -30,8 +30,7 @@ class FingerCandidates:
     `start`, `end`, `contact` (their midpoint) and the inward unit `direction` are (m, 2); `arcs` (m, k, 2) sample the
     boundary from start to end; `variance` (m,) measures how far the boundary strays from the chord; `arc_ratio` (m,) is
     its length over the chord's; `jaw` (m,) is 0 or 1 for the jaw that the candidate is for, −1 for either; `hidden`
-    (m,) is how far the object probably goes on beyond the boundary, out of the sensor's sight, and `seen` (m,) whether
-    it was seen that the object ends there.
+    (m,) is how far the object at most goes on beyond the boundary, out of the sensor's sight: 0 where it ends.
     """
 
     loop: IntArray
@@ -45,7 +44,6 @@ class FingerCandidates:
     variance: FloatArray
     arc_ratio: FloatArray
     hidden: FloatArray
-    seen: BoolArray
 
     def __len__(self) -> int:
         """Number of candidates."""

@@ -104,7 +104,6 @@ def _candidates_of_loop(
         else _variance(polygon.dot(arcs - start[:, None], normal[:, None]), settings.variance),
         arc_ratio=(ends - begins) / width,
         hidden=np.zeros(len(begins)),
-        seen=np.ones(len(begins), dtype=np.bool_),
     )
 
 

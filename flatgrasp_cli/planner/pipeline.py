@@ -43,7 +43,6 @@ def section_three(
     # B.3 grasping range; B.4 variance; B.5 operability
     grasps = closing_axes(fingers, grasps, settings.hand.closing_axis)
     grasps = on_pads(fingers, grasps, gripper, funnel)
-    grasps = surroundings.of_known_thickness(fingers, grasps, funnel)
     grasps = in_range(fingers, grasps, gripper, settings.hand, funnel)
     grasps = flat(fingers, grasps, settings.hand, funnel)
     grasps = operable(silhouette, fingers, grasps, gripper, settings.hand, funnel)

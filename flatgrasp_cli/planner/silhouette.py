@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from flatgrasp_cli.geometry import polygon
 from flatgrasp_cli.geometry.alpha_shape import CellGrid, alpha_region
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
 from flatgrasp_cli.geometry.frames import Frame
@@ -37,6 +38,7 @@ def silhouette_of(
     alpha_m, member = _one_piece(projected, alpha_m, settings.min_coverage)
     region = alpha_region(projected[member], alpha_m)
     loops = _loops(region, settings) if region is not None else ()
+    loops = (*loops[:1], *(hole for hole in loops[1:] if not _is_gap(hole, projected, heights, alpha_m)))
     return Silhouette(
         frame=frame, loops=loops, points=projected, heights=heights, alpha_m=alpha_m, coverage=float(member.mean())
     )
@@ -78,3 +80,17 @@ def _loops(region: Any, settings: SilhouetteSettings) -> tuple[FloatArray, ...]:
     solid = shapely.simplify(solid, settings.tolerance_m) if settings.tolerance_m > 0 else solid
     solid = shapely.orient_polygons(solid)
     return tuple(shapely.get_coordinates(ring)[:-1] for ring in (solid.exterior, *solid.interiors))
+
+
+def _is_gap(hole: FloatArray, points: FloatArray, heights: FloatArray, alpha_m: float) -> bool:
+    """Whether a hole (n, 2) is one of the data: most of it has two skins of the object beside it, and no wall between.
+
+    An object that was seen from both sides has a wall wherever there is something to press on. Two skins are farther
+    apart than the disc around a place of the hole is wide in which heights are compared.
+    """
+    reach_m, skins = 2 * alpha_m, list[bool]()
+    perimeter = polygon.arc_positions(hole)[-1]
+    for place in polygon.points_at(hole, np.arange(0.0, perimeter, reach_m)):
+        near = np.sort(heights[np.linalg.norm(points - place, axis=1) <= reach_m])
+        skins.append(bool(np.diff(near).max(initial=0.0) > 2 * reach_m))
+    return 2 * sum(skins) > len(skins)

@@ -16,6 +16,8 @@ class Profile(BaseModel):
 
 Length = Annotated[float, Field(ge=0, le=10)]
 """Metres, from 0 to 10: a value in millimetres is an error."""
+Derived = Annotated[float, Field(ge=0, le=10, json_schema_extra={"type": ["number", "null"]})]
+"""The same of a length that may be null in a profile: then it follows from others (`profiles/derived.py`)."""
 Size = Annotated[float, Field(ge=1e-4, le=10)]
 """Metres; a tenth of a millimetre at least, below which no part of a hand or an arm can be made."""
 Step = Annotated[float, Field(ge=1e-4, le=10)]

@@ -13,6 +13,7 @@ from pydantic import BaseModel, ValidationError
 
 from flatgrasp_cli.errors import ProfileError
 from flatgrasp_cli.profiles.base import Profile
+from flatgrasp_cli.profiles.derived import derived
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.robot import CameraPose, Robot
 from flatgrasp_cli.profiles.robot_urdf import resolved
@@ -96,7 +97,7 @@ def load_settings(name_or_path: str = "default", overrides: tuple[str, ...] = ()
     data = _extended(read_yaml(path), path)
     for override in overrides:
         _apply(data, override)
-    return _validate(PlannerSettings, data, path, "; ".join(f"--set {text}" for text in overrides))
+    return _validate(PlannerSettings, derived(data), path, "; ".join(f"--set {text}" for text in overrides))
 
 
 def load_profile(path: Path) -> Profile:
@@ -121,7 +122,8 @@ def _load(model: type[P], kind: str, name_or_path: str) -> P:
 
 def _whole(path: Path) -> dict[str, Any]:
     """A profile with what it leaves to another file."""
-    return resolved(_extended(read_yaml(path), path), path)
+    data = resolved(_extended(read_yaml(path), path), path)
+    return derived(data) if data.get("profile") == "planner" else data
 
 
 def read_yaml(path: Path, kind: str = "profile") -> dict[str, Any]:

@@ -11,14 +11,11 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.profiles.uncertainty import Uncertainty
 
-NORMAL, UNIFORM = 7, 2
-"""How many of a sample's numbers are normally, and how many are evenly distributed."""
-
 PRIMES = np.array([2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0])
-NO_SPREAD = 1e-9
-"""Stands for a spread of 0: what is needed is there or not."""
-LEAST = 1e-9
-"""How near to a face of the cube points come: there the normal distribution ends."""
+"""One for each of a sample's numbers."""
+TINY = 1e-9
+"""Stands for a spread of 0, where what is needed is there or not; and points of the unit cube come no nearer to its
+faces, where the normal distribution ends."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,35 +45,35 @@ class Errors:
 @lru_cache(maxsize=4)
 def errors_of(unsure: Uncertainty, seed: int) -> Errors:
     """The samples of the stated errors: the same for the same settings and seed, on any machine."""
-    even = _sequence(unsure.samples, NORMAL + UNIFORM, seed)
+    *rows, density, luck = _sequence(unsure.samples, seed).T
     inverse = NormalDist().inv_cdf
-    normal = np.array([[inverse(value) for value in row] for row in even[:, :NORMAL].tolist()])
+    across, along, height, yaw, *center, outline = np.array([[inverse(value) for value in row] for row in rows])
     low, high = unsure.density_kg_m3
     return Errors(
-        across=unsure.position_m * normal[:, 0],
-        along=unsure.position_m * normal[:, 1],
-        height=unsure.height_m * normal[:, 2],
-        yaw=np.radians(unsure.yaw_deg) * normal[:, 3],
-        outline=normal[:, 6],
-        center=unsure.center_share * normal[:, 4:6],
-        density=low + (high - low) * even[:, NORMAL],
-        luck=even[:, NORMAL + 1],
+        across=unsure.position_m * across,
+        along=unsure.position_m * along,
+        height=unsure.height_m * height,
+        yaw=np.radians(unsure.yaw_deg) * yaw,
+        outline=outline,
+        center=unsure.center_share * np.column_stack(center),
+        density=low + (high - low) * density,
+        luck=luck,
     )
 
 
 def friction_suffices(need: FloatArray, friction: float, unsure: Uncertainty) -> FloatArray:
     """How probable it is (…) that pads have the friction that grasps `need` (…), if about `friction` is counted on."""
     spread = unsure.friction_share
-    return np.asarray(((1 + spread - need / friction) / max(2 * spread, NO_SPREAD)).clip(0.0, 1.0))
+    return np.asarray(((1 + spread - need / friction) / max(2 * spread, TINY)).clip(0.0, 1.0))
 
 
-def _sequence(count: int, dimensions: int, seed: int) -> FloatArray:
-    """Points (count, dimensions) spread evenly in the unit cube, strictly inside it.
+def _sequence(count: int, seed: int) -> FloatArray:
+    """Points (count, d) spread evenly in the unit cube, strictly inside it.
 
     Richtmyer's sequence: multiples of the primes' square roots, modulo 1, from a start that the seed gives. scipy's
     Sobol points are no better for so few, and importing scipy.stats takes longer than a plan.
     """
-    start = np.random.default_rng(seed).random(dimensions)
-    steps = np.sqrt(PRIMES[:dimensions])
+    start = np.random.default_rng(seed).random(len(PRIMES))
+    steps = np.sqrt(PRIMES)
     points = np.mod(start + np.arange(1, count + 1)[:, None] * steps, 1.0)
-    return np.asarray(np.clip(points, LEAST, 1 - LEAST))
+    return np.asarray(np.clip(points, TINY, 1 - TINY))

@@ -11,11 +11,8 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 STANDARD_GRAVITY = 9.80665
 STRESS = 1.5
 """The load of lifting, as a multiple of the weight: arms speed up and slow down by half of gravity."""
-MEAN_RADIUS = 0.27
-"""The mean distance of a rectangle's points from its middle, in diagonals: 0.2706 of a square's, 0.25 of a line's."""
-
-LEAST_RADIUS_M = 1e-4
-"""Stands for that of pads that cover nothing."""
+LEAST_PAD_M = 1e-4
+"""Stands for the height that pads cover which hold nothing."""
 
 
 class Load(NamedTuple):
@@ -44,7 +41,15 @@ def friction_to_lift(load: Load, force_n: float, pads: FloatArray, lift_m: float
     down from the hand, and is lifted all the same unless it goes on for more than the lift's height `lift_m`.
     """
     weight = load.mass * STANDARD_GRAVITY / (2 * force_n)
-    radius = MEAN_RADIUS * np.hypot(pads[:, 0], pads[:, 1])
-    turning = weight * load.arm / np.maximum(radius, LEAST_RADIUS_M)[:, None]
+    turning = weight * load.arm / _mean_radius(pads)[:, None]
     stays = (load.beyond > lift_m)[:, None]
     return Needs(np.broadcast_to(STRESS * weight, turning.shape), np.where(stays, turning, 0.0))
+
+
+def _mean_radius(pads: FloatArray) -> FloatArray:
+    """The mean distance (p,) of a rectangle's points from its middle, metres, by its sides `pads` (p, 2)."""
+    wide, high = np.maximum(pads, LEAST_PAD_M).T
+    return np.asarray(
+        (2 * np.hypot(wide, high) + wide**2 / high * np.arcsinh(high / wide) + high**2 / wide * np.arcsinh(wide / high))
+        / 12
+    )

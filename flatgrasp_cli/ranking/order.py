@@ -2,28 +2,23 @@
 
 from __future__ import annotations
 
-from statistics import NormalDist
-
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.model import GraspCandidates
-from flatgrasp_cli.profiles.gripper import Gripper
-from flatgrasp_cli.profiles.settings import PlannerSettings, VarietySettings
+from flatgrasp_cli.profiles.settings import VarietySettings
 from flatgrasp_cli.ranking.closing import RIM_SHARE
-from flatgrasp_cli.ranking.errors import NO_SPREAD, friction_suffices
+from flatgrasp_cli.ranking.errors import friction_suffices
 from flatgrasp_cli.ranking.success import Situation
 from flatgrasp_cli.ranking.variety import differing
 
 TIE = 0.01
 """Probabilities that differ by less are equal: samples tell them apart no better."""
-CONTENDERS, APART_M, APART_DEG = 48, 0.005, 10.0
-"""Grasps of an object that are tried at all: the best by the estimate of those that lie so far apart, metres, or are
-turned so much, degrees. The hand misses by more."""
+CONTENDERS = 48
+"""Grasps of an object that are tried at all: the best by the estimate of those that lie farther apart than the hand
+usually misses by, or are turned by more than it seldom exceeds, two standard deviations."""
 FINALISTS = 16
 """And those that are tried with all samples: more than are listed."""
-ROOM_STEP_M, ROOM_STEPS = 0.001, 41
-"""Steps of the table of how probable it is that the hand misses by less: 4 cm are more than it ever does."""
 
 
 def best_first(grasps: GraspCandidates, situation: Situation) -> GraspCandidates:
@@ -32,9 +27,10 @@ def best_first(grasps: GraspCandidates, situation: Situation) -> GraspCandidates
     if settings.ranking.prefer == "gravity_distance":
         grasps = grasps.having(merit=-grasps.gravity_distance)
         return grasps.select(np.lexsort((grasps.j, grasps.i, grasps.required_friction, grasps.gravity_distance)))
-    grasps = grasps.having(merit=estimated(grasps, situation.gripper, settings))
+    grasps = grasps.having(merit=estimated(grasps, situation))
     order = by_probability(grasps.merit, grasps.gravity_distance)
-    apart = VarietySettings(apart_m=APART_M, apart_deg=APART_DEG)
+    unsure = settings.uncertainty.figures
+    apart = VarietySettings(apart_m=unsure.position_m, apart_deg=min(2 * unsure.yaw_deg, 90.0))
     contenders = np.array(differing(grasps, order, apart, CONTENDERS), dtype=np.intp)
     rough = _by_trial(grasps.select(contenders), situation.briefly)
     sure = _by_trial(rough.first(FINALISTS), situation)
@@ -62,16 +58,16 @@ def by_probability(probability: FloatArray, gravity_distance: FloatArray) -> Int
     return np.array(ranked, dtype=np.intp)
 
 
-def estimated(grasps: GraspCandidates, gripper: Gripper, settings: PlannerSettings) -> FloatArray:
+def estimated(grasps: GraspCandidates, situation: Situation) -> FloatArray:
     """About how probable it is that p grasps hold (p,), without trying them: which of them are worth a trial.
 
     The hand misses along its closing axis alone, and the walls lean as far as they probably do; weight is left out.
     """
+    settings, gripper = situation.settings, situation.gripper
     unsure, friction = settings.uncertainty.figures, settings.balance.friction_with(gripper)
     room = grasps.margin + RIM_SHARE * gripper.finger_thickness_m
-    normal = NormalDist(0.0, max(unsure.position_m, NO_SPREAD))
-    places = np.array([normal.cdf(k * ROOM_STEP_M) for k in range(ROOM_STEPS)])
-    beside = 2 * np.interp(room, ROOM_STEP_M * np.arange(ROOM_STEPS), places) - 1
+    misses = np.sort(np.abs(situation.errors.along))
+    beside = np.searchsorted(misses, room, side="right") / len(misses)
     half = 0.5 * np.nan_to_num(grasps.grip, nan=np.inf)
     need = np.hypot(np.tan(0.5 * np.radians(grasps.force_balance_deg)), grasps.lean + unsure.outline_m / half)
     rubs = friction_suffices(need, friction, unsure)

@@ -20,8 +20,8 @@ from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.ranking.closing import closed, moved
 from flatgrasp_cli.ranking.errors import Errors, errors_of, friction_suffices
 from flatgrasp_cli.ranking.lifting import Load, friction_to_lift
-from flatgrasp_cli.surroundings.descent import LEAST_HELD_M
 from flatgrasp_cli.surroundings.interface import Surroundings
+from flatgrasp_cli.surroundings.maps import NOISE_M
 
 CLEAR, CLOSES, LIFTS = ("lands_on_object", "stopped_short"), ("closes_beside", "slips"), ("too_heavy", "turns")
 CAUSES = (*CLEAR, *CLOSES, *LIFTS)
@@ -95,7 +95,7 @@ class Situation:
         to_lift = friction_to_lift(self._load(center, axis), force_n, pads, self.settings.depth.lift_m)
         lands = ~found.free.reshape(each) | (found.room.reshape(each) < hidden)
         beside = np.where(lands, PUSHED_ASIDE, 1.0)
-        down = beside * (held >= LEAST_HELD_M) * (1 - self.settings.uncertainty.figures.occupied_share * dark)
+        down = beside * (held >= NOISE_M) * (1 - self.settings.uncertainty.figures.occupied_share * dark)
         around = down * (found.between.reshape(each) | inside | lands)
         chances, need = [beside, down, around], np.zeros(each)
         for more in (np.hypot(wedge, self._lean(grasps, held)), to_lift.weight):
@@ -125,7 +125,7 @@ class Situation:
         An object alone has upright sides, for want of anything that tells.
         """
         noise = np.sqrt(0.5) * self.settings.uncertainty.figures.outline_m * self.errors.outline
-        lean = grasps.lean[:, None] + noise / np.maximum(0.5 * held, LEAST_HELD_M)
+        lean = grasps.lean[:, None] + noise / np.maximum(0.5 * held, NOISE_M)
         return np.where(np.isnan(grasps.grip)[:, None], 0.0, np.maximum(lean, 0.0))
 
     def _load(self, center: FloatArray, axis: FloatArray) -> Load:

@@ -36,12 +36,6 @@ class Alone:
         """All of the candidates: there is nothing for a finger to meet."""
         return fingers
 
-    def of_known_thickness(
-        self, _fingers: FingerCandidates, grasps: GraspCandidates, _funnel: Funnel, /
-    ) -> GraspCandidates:
-        """All of the pairs: an object alone is as thick as its silhouette."""
-        return grasps
-
     def approached(
         self,
         silhouette: Silhouette,

@@ -16,7 +16,7 @@ from flatgrasp_cli.model import FingerCandidates, GraspCandidates
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.surroundings.below import fingers_meet, palm_meets, palm_room, too_low, under_fingers, under_palm
-from flatgrasp_cli.surroundings.maps import Relief
+from flatgrasp_cli.surroundings.maps import NOISE_M, Relief
 from flatgrasp_cli.surroundings.slices import lowest_tip
 from flatgrasp_cli.surroundings.walls import Walls, walls
 
@@ -26,12 +26,6 @@ clearance over the table takes a third of it."""
 MARGINS = 4
 """Openings that are tried, from the one that is aimed at down to the least: by default 6 mm a side apart, less than a
 finger is thick."""
-LOWER_M = 0.001
-"""A smaller opening is chosen if the fingertips come down further by more than this, metres, the noise of a height."""
-
-
-LEAST_HELD_M = 0.001
-"""Pads that hold less height than this, metres, hold nothing: a height map's noise."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,7 +44,7 @@ class _Upright:
 
     def lean(self, grasps: GraspCandidates, tip: FloatArray) -> FloatArray:
         """Tangent (p,) of the angle by which the walls of pairs lean from upright, over the lower half of the grip."""
-        half = 0.5 * np.maximum(self.wall - tip, LEAST_HELD_M)
+        half = 0.5 * np.maximum(self.wall - tip, NOISE_M)
         angles = [np.arctan(self.found.recess(rows, tip + half) / half) for rows in (grasps.i, grasps.j)]
         return np.asarray(np.tan(0.5 * np.add(*angles)))
 
@@ -129,7 +123,7 @@ def _tips(below: FloatArray, palm_tip: FloatArray, lowest: FloatArray, held: _Up
 
 def _widest(tips: FloatArray) -> IntArray:
     """Which is the widest of the openings (p,) that lets the tips down as far as any, by their `tips` (MARGINS, p)."""
-    return np.asarray(np.argmax(tips <= tips.min(axis=0) + LOWER_M, axis=0))
+    return np.asarray(np.argmax(tips <= tips.min(axis=0) + NOISE_M, axis=0))
 
 
 def _roomiest(tips: FloatArray) -> IntArray:
@@ -140,7 +134,7 @@ def _roomiest(tips: FloatArray) -> IntArray:
     fingers thicker outward by what the next smaller one leaves at the pads: where they come down as far even so, the
     next has less room at the pads than this one has on either side.
     """
-    low = tips[MARGINS:] <= tips.min(axis=0) + LOWER_M
+    low = tips[MARGINS:] <= tips.min(axis=0) + NOISE_M
     return np.where(low.any(axis=0), np.argmax(low, axis=0), MARGINS - 1)
 
 

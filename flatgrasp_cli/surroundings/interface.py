@@ -27,11 +27,6 @@ class Surroundings(Protocol):
     def sides(self, fingers: FingerCandidates, funnel: Funnel, /) -> FingerCandidates:
         """The candidates at which a finger can stand, with what is hidden of the object there."""
 
-    def of_known_thickness(
-        self, fingers: FingerCandidates, grasps: GraspCandidates, funnel: Funnel, /
-    ) -> GraspCandidates:
-        """The pairs between whose contacts the object's thickness was seen."""
-
     def approached(
         self,
         silhouette: Silhouette,

@@ -8,21 +8,23 @@ import numpy as np
 
 from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.profiles.settings import PlannerSettings
+from flatgrasp_cli.surroundings.envelope import Envelope
 from flatgrasp_cli.surroundings.view import View
+
+NOISE_M = 0.001
+"""Heights that differ by less, metres, are the same: a height map's noise."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class HeightMaps:
     """Heights of a slice, of what it stands on and of what stands around it, along the approach.
 
-    `surface` is the mean height of the slice's own points, `average` that of all of the object's. `rest` is the highest
-    point of everything else that fingers can meet: 0 where the plane is free, −inf where no ray came. `highest` is that
-    of everything, for the parts of fingers that are away from the contact, and `coarse` the same in larger cells, for
-    the palm.
+    `surface` is the mean height of the slice's own points. `rest` is the highest point of everything else that fingers
+    can meet: 0 where the plane is free, −inf where no ray came. `highest` is that of everything, for the parts of
+    fingers that are away from the contact, and `coarse` the same in larger cells, for the palm.
     """
 
     surface: HeightMap
-    average: HeightMap
     rest: HeightMap
     highest: HeightMap
     coarse: HeightMap
@@ -41,6 +43,7 @@ class Relief:
     lowest_m: float
     ground_m: float
     maps: HeightMaps
+    envelope: Envelope
     view: View
     settings: PlannerSettings
     height_m: float = np.inf

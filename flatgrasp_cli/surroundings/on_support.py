@@ -12,7 +12,7 @@ from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.surroundings.below import Stops, stops
 from flatgrasp_cli.surroundings.descent import descended
 from flatgrasp_cli.surroundings.maps import Relief
-from flatgrasp_cli.surroundings.sight import of_known_thickness, seen_sides
+from flatgrasp_cli.surroundings.sight import seen_sides
 from flatgrasp_cli.surroundings.walls import upright
 
 
@@ -27,17 +27,11 @@ class OnSupport(Relief):
             fingers = fingers.select(steep)
             funnel.count("upright", len(fingers), "the part that stands out has no steep side")
         if self.view.viewpoint is None:
-            fingers = replace(fingers, hidden=np.zeros(len(fingers)), seen=np.ones(len(fingers), dtype=np.bool_))
+            fingers = replace(fingers, hidden=np.zeros(len(fingers)))
         else:
-            fingers = seen_sides(fingers, self.maps, self.view, self.view.viewpoint, self.level_m)
+            fingers = seen_sides(fingers, self.maps, self.envelope, self.view.viewpoint, self.level_m)
         funnel.count("open_sides", len(fingers), "the object's only side is that of a hole that was not seen through")
         return fingers
-
-    def of_known_thickness(
-        self, fingers: FingerCandidates, grasps: GraspCandidates, funnel: Funnel, /
-    ) -> GraspCandidates:
-        """The pairs that do not take the two sides of one seen face for those of a thin object."""
-        return of_known_thickness(fingers, grasps, funnel)
 
     def approached(
         self,

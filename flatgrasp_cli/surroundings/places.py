@@ -20,16 +20,13 @@ from flatgrasp_cli.geometry.spacing import spacing
 from flatgrasp_cli.model import ObjectCloud, OrientedBox, SupportPlane
 from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.surroundings.alone import Alone
+from flatgrasp_cli.surroundings.envelope import Envelope
 from flatgrasp_cli.surroundings.interface import Surroundings
 from flatgrasp_cli.surroundings.maps import HeightMaps
 from flatgrasp_cli.surroundings.on_support import OnSupport
-from flatgrasp_cli.surroundings.sight import BEHIND_M
-from flatgrasp_cli.surroundings.slices import Slice, slices
+from flatgrasp_cli.surroundings.slices import Slice, slices, top_of
 from flatgrasp_cli.surroundings.view import View
 
-PALM_CELL_M = 0.0025
-"""Least side of the cells of the palm's height map, metres: a wall seems thicker by up to two of them, and next to a
-wall half a centimetre of room is what there is."""
 PIXEL_CELLS = 1.5
 """Side of the range image's pixels, in cells of the height maps: then hardly a pixel is empty where there is a surface,
 and space half a finger's width beside an edge is still told from the space behind it."""
@@ -44,14 +41,9 @@ NEIGHBOURS_WITHIN = 2.0
 MIN_CELL_M = 0.002
 """Least side of height maps' cells, metres, which is otherwise the points' spacing: a silhouette is known no
 better."""
-HANGING_M, MOST_HANGING_M = 0.02, 0.04
-"""An object whose lowest point is higher than the first and that is nowhere longer than the second may hang in the air,
-metres. A lower one may stand on something that was not seen. Tuned on ghosts beside the edges of a stereo camera's
-views, which are small."""
-BELOW, FREE_SHARE = (0.25, 0.5), 0.5
-"""Where free space is looked for under an object that may hang, as shares of its height over the plane; and the least
-share of those places that must be free. Closer to the object its own noise hides them, closer to the plane the plane's.
-"""
+MOST_HANGING_M = 0.04
+"""An object that is nowhere longer, metres, may hang in the air: ghosts beside the edges of a stereo camera's views are
+small. A larger one may be held by something that was not seen."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -114,15 +106,16 @@ def _slices(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, setting
     if cloud.floor is not None:
         others = others.filled(cloud.floor.levels, frame, cloud.floor.frame)
     highest = others.raised(local)
-    coarse = HeightMap.of(np.concatenate([local, obstacles]), max(PALM_CELL_M, cell_m))
-    average = highest.averaged(local)
+    coarse = HeightMap.of(np.concatenate([local, obstacles]), cell_m)
+    view = _view(cloud, frame, cell_m)
     lowest, *upper = slices(local, cell_m, settings.depth)
     around = OnSupport(
         level_m=lowest.level_m,
         lowest_m=lowest.level_m,
         ground_m=settings.depth.min_clearance_m,
-        maps=HeightMaps(surface=average, average=average, rest=others, highest=highest, coarse=coarse),
-        view=_view(cloud, frame, cell_m),
+        maps=HeightMaps(surface=highest.averaged(local), rest=others, highest=highest, coarse=coarse),
+        envelope=Envelope.of(highest, view, top_of(local[:, 2])),
+        view=view,
         settings=settings,
     )
     whole = Place(box=box, frame=frame, points=cloud.points, surroundings=around, spacing_m=spacing_m)
@@ -155,19 +148,19 @@ def from_the_side(cloud: ObjectCloud, box: OrientedBox, settings: PlannerSetting
     local, others = frame.to_local(cloud.points), frame.to_local(np.concatenate([cloud.obstacles, floor]))
     cell_m = max(MIN_CELL_M, spacing(local[:, :2]))
     highest = HeightMap.of(np.concatenate([local, others]), cell_m)
-    average = highest.averaged(local)
+    view = _view(cloud, frame, cell_m)
     around = OnSupport(
         level_m=-settings.depth.min_grip_m,
         lowest_m=-settings.depth.min_grip_m,
         ground_m=-settings.depth.min_grip_m - settings.depth.obstacle_clearance_m,
         maps=HeightMaps(
-            surface=average,
-            average=average,
+            surface=highest.averaged(local),
             rest=HeightMap.of(others, cell_m),
             highest=highest,
-            coarse=HeightMap.of(np.concatenate([local, others]), max(PALM_CELL_M, cell_m)),
+            coarse=HeightMap.of(np.concatenate([local, others]), cell_m),
         ),
-        view=_view(cloud, frame, cell_m),
+        envelope=Envelope.of(highest, view, top_of(local[:, 2])),
+        view=view,
         settings=settings,
     )
     return Place(box, frame, cloud.points, around)
@@ -181,13 +174,13 @@ def hanging_m(whole: Place) -> float:
     """
     if not isinstance(whole.surroundings, OnSupport) or whole.surroundings.view.image is None:
         return 0.0
-    local = whole.frame.to_local(whole.points)
+    local, settings = whole.frame.to_local(whole.points), whole.surroundings.settings
     low = float(local[:, 2].min())
-    if low < HANGING_M or float(np.ptp(local, axis=0).max()) > MOST_HANGING_M:
-        return 0.0
-    x, y = np.tile(local[:, :2].T, len(BELOW))
-    hidden = whole.surroundings.view.hides(np.stack([x, y, np.repeat(np.multiply(BELOW, low), len(local))]), BEHIND_M)
-    return low if 1 - hidden.mean() >= FREE_SHARE else 0.0
+    if low < settings.scene.min_size_m or float(np.ptp(local, axis=0).max()) > MOST_HANGING_M:
+        return 0.0  # what lies no higher than a finger is thick may stand on something
+    x, y = local[:, :2].T
+    below = np.stack([x, y, np.full(len(local), 0.5 * low)])  # halfway, farthest from the noise of either
+    return low if np.mean(whole.surroundings.view.hides(below)) < 0.5 else 0.0
 
 
 def _view(cloud: ObjectCloud, frame: Frame, cell_m: float) -> View:

@@ -1,7 +1,9 @@
 """Beyond the paper: the side of an object that the sensor did not see.
 
-Behind an object, in its shadow, no free space was seen. If its surface turns away gently, as that of a can does, the
-object goes on in there; if it ends at an edge, it does not. The silhouette alone cannot tell, but heights can.
+The silhouette ends where the object was last seen. On the sensor's side that is its end. Behind it, in its shadow, the
+object may go on as far as the envelope of the rays allows. How far it probably does, its heights tell: a flat top ends
+at an edge, and a surface that turns away gently, as that of a can does, goes on in the shadow. Of what shows no top at
+all, only a face, nobody knows how thick it is.
 """
 
 from __future__ import annotations
@@ -10,129 +12,115 @@ from dataclasses import replace
 
 import numpy as np
 
-from flatgrasp_cli.funnel import Funnel
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
 from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.geometry.lines import fitted_lines
 from flatgrasp_cli.geometry.polygon import dot
-from flatgrasp_cli.model import FingerCandidates, GraspCandidates
-from flatgrasp_cli.surroundings.maps import HeightMaps
-from flatgrasp_cli.surroundings.view import View
-from flatgrasp_cli.surroundings.walls import pad_places
+from flatgrasp_cli.model import FingerCandidates
+from flatgrasp_cli.surroundings.envelope import Envelope
+from flatgrasp_cli.surroundings.maps import NOISE_M, HeightMaps
+from flatgrasp_cli.surroundings.walls import ALONG_PAD, LEAST_SLOPE, pad_places
 
-OUTWARD_M = (0.003, 0.005, 0.007)
-"""Distances from a chord outward, metres, at which the finger's space is looked into: beyond the silhouette's noise,
-and within the thickness of a finger."""
-HEIGHTS_M, BEHIND_M = (0.003, 0.010), 0.006
-"""Heights over the fingertips' level, metres, at which it is looked into: within the least grip and above it. And how
-far behind a surface space must lie to be hidden by it: two pixels of the range image."""
-SHADOW_SHARE, HOLE_SHARE = 0.5, 0.2
-"""Shares of that space beyond which a side counts as lying in the shadow, and a hole as not seen through. Less is
-allowed in a hole, where a finger has no room to spare."""
-PROFILE_M = np.arange(0.001, 0.0405, 0.002)
-"""Distances from a chord inward, metres, at which the surface's profile is read: one for each cell of 2 mm, as far as
-half of an object 8 cm wide."""
+FAR_M = 0.04
+"""How far inward and outward from a chord is looked, metres: half of the widest thing that hands span."""
 LIMB_M = 0.012
-"""Length of the profile, metres, over which the slope at the limb is measured: six cells, for one of them is noise."""
+"""Length of the profile, metres, that the slope of a face is told by, and the least breadth of a flank below a level
+top: what is rounded over less is an edge, as a sensor blurs it."""
 LOST_DEG = 15.0
 """A surface is last seen where it makes this angle with the ray, degrees: depth sensors return nothing at less."""
-ALIKE = 0.5
-"""Cosine of the angle within which neighbours look the same way: 60 degrees, more than a corner of the shadow has."""
-ROUND_SHARE = 0.2
-"""A surface ends at an edge if its mean slope near the limb is less than this share of that at the limb. On a can it is
-more than half; on a flat top it is zero but for the outermost cell, which the edge makes lower."""
-MOST_M = 0.03
-"""Largest hidden extent that is believed, metres: that of a can 20 cm across, wider than hands open."""
-TOP_M = np.array([0.001, 0.003, 0.005])
-"""Distances from a chord inward, metres, at which a face is told from a top: two or three cells."""
-THIN_M = 0.03
-"""Contacts closer than this, metres, may be the two sides of one face: the silhouette of a face 10 cm high that leans
-by 15° is so thin."""
-FACE_M = 0.008
-"""Cells whose mean lies this far below their highest point, metres, on average, show a face and not a top: half of the
-height of an upright face of 16 mm."""
-ACROSS = np.linspace(-0.4, 0.4, 9)
-"""Places along a pad, in widths of it: the ends are left out, for the silhouette bends away there."""
 
 
 def seen_sides(
-    fingers: FingerCandidates, maps: HeightMaps, view: View, viewpoint: FloatArray, level_m: float
+    fingers: FingerCandidates, maps: HeightMaps, envelope: Envelope, viewpoint: FloatArray, level_m: float
 ) -> FingerCandidates:
-    """The candidates except those in holes that were not seen through, with what was seen of the sides they stand at.
+    """The candidates except those in holes that were not seen through, with how far the object goes on, out of sight.
 
-    In the object's shadow, as cast from the sensor at `viewpoint` (3,), the silhouette is only where its top ends, and
-    the object may go on behind that. Where only a face was seen and no top, its thickness is not known.
+    `viewpoint` (3,) is where the sensor was, in the height maps' frame.
     """
-    share = hidden_share(fingers, view, level_m)
-    open_sides = (share <= HOLE_SHARE) | (fingers.loop == 0)
-    fingers, shadowed = fingers.select(open_sides), share[open_sides] > SHADOW_SHARE
-    hidden = hidden_extent(fingers, maps.surface, shadowed, viewpoint)
-    seen = ~shadowed
-    rows = np.flatnonzero(shadowed)
-    seen[rows] = ~_front_only(fingers.select(rows), maps)
-    return replace(fingers, hidden=hidden, seen=seen)
+    bound = unseen_beyond(fingers, envelope, level_m)
+    open_sides = (bound == 0) | (fingers.loop == 0)
+    fingers, bound = fingers.select(open_sides), bound[open_sides]
+    return replace(fingers, hidden=hidden_extent(fingers, maps, bound, viewpoint))
 
 
-def of_known_thickness(fingers: FingerCandidates, grasps: GraspCandidates, funnel: Funnel) -> GraspCandidates:
-    """The pairs except those that take the two sides of one seen face for the sides of a thin object."""
-    face = ~(fingers.seen[grasps.i] & fingers.seen[grasps.j])
-    missing = np.where(face, np.maximum(THIN_M - grasps.distance, 0.0), 0.0)
-    kept = funnel.at_most(
-        "seen", grasps, missing, 0.0, lambda _: "only a face of the object was seen, not how thick it is behind that"
-    )
-    return grasps.select(kept)
+def unseen_beyond(fingers: FingerCandidates, envelope: Envelope, level_m: float) -> FloatArray:
+    """How far (m,) the object may go on before each candidate, above `level_m`: as far as the rays allow.
+
+    Metres; 0 where it was seen to end. The first cell is the silhouette's own uncertainty.
+    """
+    out = _places(envelope.lowest)
+    may = envelope.may_reach(level_m, *pad_places(fingers, -out, ALONG_PAD)).mean(axis=1) > 0.5
+    far = np.logical_and.accumulate(may[1:], axis=0).sum(axis=0)
+    return np.where(far > 0, (1 + far) * envelope.lowest.cell_m, 0.0)
 
 
-def _front_only(fingers: FingerCandidates, maps: HeightMaps) -> BoolArray:
-    """Which candidates (m,) have an upright face before them instead of the object's top."""
-    x, y = pad_places(fingers, TOP_M, ACROSS)
-    mean = maps.average.over(x, y)
-    known = np.isfinite(mean)
-    spread = np.where(known, maps.highest.over(x, y) - np.where(known, mean, 0.0), 0.0)
-    return np.asarray(spread.sum(axis=(0, 1)) > FACE_M * np.maximum(known.sum(axis=(0, 1)), 1))
+def hidden_extent(fingers: FingerCandidates, maps: HeightMaps, bound: FloatArray, viewpoint: FloatArray) -> FloatArray:
+    """How far (m,) the object at most goes on beyond the silhouette, metres, of the `bound` (m,) that the rays allow.
 
-
-def hidden_share(fingers: FingerCandidates, view: View, level_m: float) -> FloatArray:
-    """Share (m,) of the space before each candidate, where a finger comes down, that the sensor did not see."""
-    x, y = pad_places(fingers, -np.array(OUTWARD_M), ACROSS[::2])
-    levels = level_m + np.array(HEIGHTS_M)
-    points = np.empty((3, len(levels), *x.shape))
-    points[0], points[1], points[2] = x, y, levels[:, None, None, None]
-    hidden = view.hides(points.reshape(3, -1), BEHIND_M).reshape(-1, len(fingers))
-    return np.asarray(np.count_nonzero(hidden, axis=0) / len(hidden))
-
-
-def hidden_extent(
-    fingers: FingerCandidates, surface: HeightMap, shadowed: BoolArray, viewpoint: FloatArray
-) -> FloatArray:
-    """How far (m,) the object probably goes on beyond the silhouette, metres; 0 where it was seen, or ends at an edge.
-
-    The flank is taken for a quarter of an ellipse, as of an object that lies on its side: its top is the profile's
-    highest point, at a height H, and it is upright at H/2. With b = H/2, height h and slope s at the limb,
-    c = (h − b)/b and u = √(1 − c²), its half axis is a = b·u/(c·s), and it goes on for a·(1 − u). The slope follows
-    from the direction of the sensor at `viewpoint` (3,), in the height map's frame: a measured one is too noisy.
+    Of two models that is taken which agrees better with the heights near the chord: a flat top that ends there, or a
+    flank that goes on. What rises outward as steeply as a face has neither, and may go on as far as the bound.
     """
     extent = np.zeros(len(fingers))
-    rows = np.flatnonzero(shadowed)
+    rows = np.flatnonzero(bound > 0)
     if len(rows) == 0:
         return extent
-    fingers = fingers.select(rows)
-    profiles = surface.over(*pad_places(fingers, PROFILE_M, ACROSS[::2]))
-    known = np.isfinite(profiles)
-    total = np.where(known, profiles, 0.0).sum(axis=1)
-    count = known.sum(axis=1)
-    heights = np.where(count > 0, total / np.maximum(count, 1), np.nan).T  # (k, distances)
-    near = PROFILE_M <= LIMB_M
-    limb, measured = fitted_lines(PROFILE_M[near], heights[:, near])
-    slope = _limb_slope(fingers, limb, viewpoint)
-    half = 0.5 * np.nanmax(np.where(np.isfinite(heights), heights, 0.0), axis=1)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        c = (limb - half) / half
-        u = np.sqrt(1 - c**2)
-        beyond = half * u * (1 - u) / (c * slope)
-    rounded = np.isfinite(beyond) & (measured > ROUND_SHARE * slope) & (slope > 0) & (c > 0)
-    extent[rows] = _with_neighbours(fingers, np.where(rounded, np.clip(beyond, 0.0, MOST_M), 0.0))
+    fingers, bound = fingers.select(rows), bound[rows]
+    inward = _places(maps.surface)
+    heights = _profile(fingers, maps, inward)
+    near = inward <= LIMB_M
+    limb, slope = fitted_lines(inward[near], heights[near].T)
+    face = (slope < -LEAST_SLOPE) | (2 * np.isfinite(heights[near]).sum(axis=0) < np.count_nonzero(near))
+    flank = _flank(inward, heights, _limb_slope(fingers, limb, viewpoint))
+    extent[rows] = _with_neighbours(fingers, np.minimum(np.where(face, np.inf, flank), bound))
     return extent
+
+
+def _places(chart: HeightMap) -> FloatArray:
+    """Distances (d,) from a chord, metres: one for each cell."""
+    return np.asarray(np.arange(0.5, FAR_M / chart.cell_m) * chart.cell_m)
+
+
+def _profile(fingers: FingerCandidates, maps: HeightMaps, inward: FloatArray) -> FloatArray:
+    """Highest points (d, m) of the object at the distances `inward` (d,) from each chord, the mean along the pad."""
+    places = pad_places(fingers, inward, ALONG_PAD)
+    known = np.isfinite(maps.surface.over(*places))
+    count = known.sum(axis=1)
+    total = np.where(known, maps.highest.over(*places), 0.0).sum(axis=1)
+    return np.where(count > 0, total / np.maximum(count, 1), np.nan)
+
+
+def _flank(inward: FloatArray, heights: FloatArray, slope: FloatArray) -> FloatArray:
+    """How far (m,) flanks go on outward, metres, by the `heights` (d, m) that were seen `inward` (d,) of them.
+
+    A flank is taken for an ellipse, as of an object that lies on its side: it is highest at H, the profile's highest
+    point, and upright at b = H/2. If it falls with the `slope` s (m,) where it was last seen, t before its top, then
+    u = t/a, the distance in half axes a, solves u² = (s·t/b)·√(1 − u²), and it goes on for a·(1 − u). That t is taken
+    at which it agrees best with the heights. The answer is 0 where a plane top that ends at an edge agrees better, or
+    within the heights' noise. Behind its top an ellipse falls again or, if it is broad enough, goes over into a level.
+    """
+    known = np.isfinite(heights)
+    top = np.where(known, heights, 0.0).max(axis=0)
+    half = 0.5 * np.maximum(top, 1e-9)
+    edge, rise = fitted_lines(inward[1:], heights[1:].T)
+    least = _strays(heights, known, edge + rise * inward[:, None])
+    uneven = least > NOISE_M**2 / len(ALONG_PAD) * known.sum(axis=0)
+    extent = np.zeros(len(top))
+    for ahead in inward:
+        ratio = slope * ahead / half
+        u = np.sqrt(0.5 * ratio * (np.sqrt(ratio**2 + 4) - ratio))
+        axis = ahead / np.maximum(u, 1e-9)
+        from_top = (ahead - inward[:, None]) / axis
+        level = np.maximum(from_top, 0.0)
+        for way in (from_top, level) if ahead >= LIMB_M else (from_top,):
+            strays = _strays(heights, known, half * (1 + np.sqrt(np.maximum(1 - way**2, 0.0))))
+            better = (strays < least) & uneven & (slope > 0)
+            least, extent = np.where(better, strays, least), np.where(better, axis * (1 - u), extent)
+    return extent
+
+
+def _strays(heights: FloatArray, known: BoolArray, model: FloatArray) -> FloatArray:
+    """Sum (m,) of the squares by which `known` heights (d, m) differ from a model's; the edge blurs the first."""
+    return np.asarray((np.where(known, heights - model, 0.0)[1:] ** 2).sum(axis=0))
 
 
 def _with_neighbours(fingers: FingerCandidates, extent: FloatArray) -> FloatArray:
@@ -141,7 +129,7 @@ def _with_neighbours(fingers: FingerCandidates, extent: FloatArray) -> FloatArra
     At a corner of the shadow a profile runs off the object's side, and tells nothing.
     """
     near = np.linalg.norm(fingers.contact[:, None] - fingers.contact, axis=2) <= fingers.width[:, None]
-    alike = fingers.direction @ fingers.direction.T > ALIKE
+    alike = fingers.direction @ fingers.direction.T > 0
     return np.asarray(np.where(near & alike, extent, 0.0).max(axis=1, initial=0.0))
 
 

@@ -22,12 +22,12 @@ from flatgrasp_cli.model import Floor, ObjectCloud
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.surroundings.aslant import SURELY_BEHIND_M, Aslant
+from flatgrasp_cli.surroundings.envelope import Envelope
 from flatgrasp_cli.surroundings.maps import HeightMaps
 from flatgrasp_cli.surroundings.places import (
     FINGERS_M,
     MIN_CELL_M,
     NEIGHBOURS_WITHIN,
-    PALM_CELL_M,
     PIXEL_CELLS,
     Place,
     box_across,
@@ -96,9 +96,9 @@ class Tilted:
         frame = replace(box.frame, origin=box.frame.origin - 0.5 * box.size[2] * toward)
         local, obstacles = frame.to_local(self.cloud.points), frame.to_local(self.cloud.obstacles)
         spacing_m = min(spacing(local[:, :2]), NEIGHBOURS_WITHIN * self.floor.spacing_m)
-        cell_m, palm_cell_m = max(MIN_CELL_M, spacing_m), max(PALM_CELL_M, spacing_m)
+        cell_m = max(MIN_CELL_M, spacing_m)
 
-        coarse = self._standing(local, frame, palm_cell_m).raised(obstacles).raised(local)
+        coarse = self._standing(local, frame, cell_m).raised(obstacles).raised(local)
         if not self._has_room(coarse, local, gripper):
             return None
         others = self._standing(local, frame, cell_m).raised(obstacles)
@@ -107,20 +107,20 @@ class Tilted:
         points = np.concatenate([self.cloud.points, body])
         local = np.concatenate([local, frame.to_local(body)])
         highest = others.raised(local)
-        average = highest.averaged(local)
+        view = replace(self._view, asked=frame)
         lowest_m = float(lowest_tip(top_of(local[:, 2]), self.settings.depth))
         around = Aslant(
             level_m=lowest_m,
             lowest_m=lowest_m,
             ground_m=-np.inf,
             maps=HeightMaps(
-                surface=average,
-                average=average,
+                surface=highest.averaged(local),
                 rest=others,
                 highest=highest,
                 coarse=coarse.raised(local),
             ),
-            view=replace(self._view, asked=frame),
+            envelope=Envelope.of(highest, view, top_of(local[:, 2])),
+            view=view,
             settings=self.settings,
             height_m=self._height_m,
         )

@@ -34,13 +34,17 @@ class View:
             return None if self.image is None else self.image.viewpoint
         return self.asked.to_local(self.frame.to_world(self.image.viewpoint))
 
-    def hides(self, columns: FloatArray, margin_m: float) -> BoolArray:
-        """Which points, columns (3, n), lie more than `margin_m` behind what their ray met, or on a ray with no end."""
+    def hides(self, columns: FloatArray, margin_m: float | None = None) -> BoolArray:
+        """Which points, columns (3, n), lie more than `margin_m` behind what their ray met, or on a ray with no end.
+
+        By default that is two pixels: so far back goes a surface within a pixel that is seen at 63° to its normal.
+        """
         if self.image is None:
             return np.zeros(columns.shape[1], dtype=np.bool_)
         columns = self._in_the_image(columns)
         nearest, ranges = self.image.nearest(columns)
-        hidden = np.asarray(nearest < ranges - margin_m)
+        margin = 2 * self.image.pixels.cell_m * ranges if margin_m is None else margin_m
+        hidden = np.asarray(nearest < ranges - margin)
         through = np.flatnonzero(np.isinf(nearest))
         hidden[through] = ~self._met_floor(columns.take(through, axis=1), self.image.viewpoint)
         return hidden

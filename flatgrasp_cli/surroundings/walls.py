@@ -14,14 +14,11 @@ from flatgrasp_cli.model import FingerCandidates
 INWARD_M = np.array([0.001, 0.002, 0.003, 0.004, 0.005, 0.007, 0.009])
 """Distances from a chord inward, metres, at which heights tell whether the pad rests on a wall or on a flank: close
 together at first, and as far in as pads are about to hold in height."""
-SEEN_PLACES, WALL_PLACES = 3, 5
-"""How many of those distances, counted from the chord, are the boundary itself, and how many can show the wall's top: 3
-mm, the silhouette's uncertainty, and 5 mm, for the edge of a wall is rounded by the sensor."""
+WALL_PLACES = 5
+"""How many of those distances, counted from the chord, are the boundary itself, and can show the wall's top: 5 mm, for
+the edge of a wall is rounded by the sensor."""
 LEAST_SLOPE = 0.5
 """A surface that rises less steeply than this, height over breadth (27°), is the object's top."""
-FLANK_OUTWARD_M = np.array([0.002, 0.003, 0.004])
-"""Distances from a chord outward, metres, at which a flank would go on below the slice's level: beyond the silhouette's
-noise, but still within a slice's height of a flank of 70°."""
 ALONG_PAD = np.array([-0.4, -0.2, 0.0, 0.2, 0.4])
 """Places along a pad, in widths of it: the ends are left out, for the silhouette bends away there."""
 
@@ -68,9 +65,10 @@ def upright(fingers: FingerCandidates, rest: HeightMap, level_m: float, wall_dro
     `rest` holds the heights of what the slice stands on. A wall falls by at least `wall_drop` times the way outward, at
     half of the places or more.
     """
-    below = rest.over(*pad_places(fingers, -FLANK_OUTWARD_M, ALONG_PAD))
+    out = INWARD_M[1 : WALL_PLACES - 1]  # beyond the silhouette's noise, but within a slice's height of a steep flank
+    below = rest.over(*pad_places(fingers, -out, ALONG_PAD))
     drop = level_m - np.maximum(below, 0.0)
-    steep = drop >= wall_drop * FLANK_OUTWARD_M[:, None, None]
+    steep = drop >= wall_drop * out[:, None, None]
     return np.asarray(steep.mean(axis=(0, 1)) >= 0.5)
 
 
@@ -85,8 +83,8 @@ def walls(fingers: FingerCandidates, surface: HeightMap, highest: HeightMap, lev
     known = np.isfinite(heights)
     tops = heights[:WALL_PLACES].max(axis=0)
     top = np.sort(np.where(np.isfinite(tops), tops, level_m), axis=0)[len(ALONG_PAD) // 2]
-    near, count = heights[:SEEN_PLACES], known[:SEEN_PLACES].sum(axis=(0, 1))
-    total = np.where(known[:SEEN_PLACES], near, 0.0).sum(axis=(0, 1))
+    near, count = heights[:WALL_PLACES], known[:WALL_PLACES].sum(axis=(0, 1))
+    total = np.where(known[:WALL_PLACES], near, 0.0).sum(axis=(0, 1))
     boundary = np.where(count > 0, total / np.maximum(count, 1), level_m)
     counts, totals = known.sum(axis=1), np.where(known, highest.over(*places), 0.0).sum(axis=1)
     _, slope = fitted_lines(INWARD_M, np.where(counts > 0, totals / np.maximum(counts, 1), np.nan).T)

@@ -87,3 +87,29 @@ def test_points_on_a_line_of_a_metre_span_a_plane_from_a_tenth_of_a_millimetre_o
 def test_points_closer_than_single_precision_tells_are_one(size_m: float, spans: bool) -> None:
     ball = np.random.default_rng(0).uniform(-0.5, 0.5, (500, 3)) * size_m
     assert (oriented_box(ball, UP, "pca") is not None) == spans
+
+
+STRIPE = shapely.box(-12, -15, 12, 15)
+SKIN = grid(PLATE.buffer(10, join_style="mitre").difference(STRIPE), pitch_mm=2)
+OTHER_SKIN = SKIN + 80 * MM * UP
+WALL = np.concatenate([grid(STRIPE.exterior, pitch_mm=1) + z * MM * UP for z in range(0, 82, 2)])
+
+
+class TestGaps:
+    """A stripe of 24 mm in which there is no point of a body that is 80 mm high."""
+
+    def holes(self, *parts: FloatArray) -> int:
+        return len(outlined(np.concatenate(parts)).loops) - 1
+
+    def test_between_two_skins_it_is_no_hole(self) -> None:
+        assert self.holes(SKIN, OTHER_SKIN) == 0
+
+    def test_with_walls_it_is_one(self) -> None:
+        assert self.holes(SKIN, OTHER_SKIN, WALL) == 1
+
+    def test_of_one_skin_nobody_knows(self) -> None:
+        assert self.holes(SKIN) == 1
+
+    @pytest.mark.parametrize(("walled_mm", "holes"), [(-14, 0), (10, 1)])
+    def test_most_of_the_way_round_decides(self, walled_mm: float, holes: int) -> None:
+        assert self.holes(SKIN, OTHER_SKIN, WALL[WALL[:, 1] < walled_mm * MM]) == holes

@@ -208,3 +208,29 @@ def test_thresholds_follow_from_friction() -> None:
     assert resolved.torque_max == 0.5
     other = load_settings("default", ("balance.torque=normalised",)).resolve(hand).balance
     assert other.torque_max == pytest.approx(0.2236, abs=1e-3)  # sin(φ − γ/2)·cos(γ/2) at φ = γ = 26.57°
+
+
+class TestDerivedLengths:
+    """What is null in a profile follows from how well the outline is known, or from the length beside it."""
+
+    def test_they_are_those_of_an_xtion(self) -> None:
+        settings = load_settings()
+        assert settings.hand.clearance_m == settings.hand.contact_tolerance_m == 0.002
+        assert (settings.silhouette.tolerance_m, settings.caging.tolerance_m) == (0.0005, 0.001)
+        assert (settings.caging.noise_m, settings.caging.told_apart_m) == (0.0015, 0.003)
+        assert settings.depth.palm_clearance_m == settings.depth.table_clearance_m
+
+    def test_a_worse_sensor_changes_all_of_them(self) -> None:
+        settings = load_settings("default", ("uncertainty.outline_m=0.003",))
+        assert settings.hand.clearance_m == pytest.approx(0.006)
+        assert settings.caging.told_apart_m == pytest.approx(0.009)
+
+    def test_what_is_stated_stays(self) -> None:
+        stated = ("uncertainty.outline_m=0.003", "hand.clearance_m=0.001", "caging.noise_m=0.004")
+        settings = load_settings("default", stated)
+        assert settings.hand.clearance_m == 0.001
+        assert settings.caging.told_apart_m == pytest.approx(0.008)
+
+    def test_a_wrong_one_is_named_where_it_stands(self) -> None:
+        with pytest.raises(ProfileError, match=r"uncertainty\.outline_m: 'wide': must be a valid number$"):
+            load_settings("default", ("uncertainty.outline_m=wide",))

@@ -27,7 +27,8 @@ SURE = (
 
 def unsure(*changes: str) -> PlannerSettings:
     """Settings in which nothing is uncertain but what these `changes` of `uncertainty` say."""
-    return load_settings("default", tuple(f"uncertainty.{change}" for change in (*SURE, *changes)))
+    figures = (f"uncertainty.{change}" for change in (*SURE, *changes))
+    return load_settings("default", ("hand.contact_tolerance_m=0.002", *figures))
 
 
 @dataclass(frozen=True, slots=True)

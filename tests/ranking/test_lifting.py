@@ -5,15 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.ranking.lifting import Load, friction_to_lift
 from tests.by_hand import MM
 
 PADS = np.array([[20 * MM, 20 * MM]])
 
 
-def needs(mass_kg: float, arm_mm: float, beyond_mm: float = 300.0, force_n: float = 40.0) -> tuple[float, float]:
+def needs(
+    mass_kg: float, arm_mm: float, beyond_mm: float = 300.0, force_n: float = 40.0, pads: FloatArray = PADS
+) -> tuple[float, float]:
     load = Load(np.array([mass_kg]), np.array([[arm_mm * MM]]), np.array([beyond_mm * MM]))
-    found = friction_to_lift(load, force_n, PADS, 100 * MM)
+    found = friction_to_lift(load, force_n, pads, 100 * MM)
     return float(found.weight[0, 0]), float(found.turning[0, 0])
 
 
@@ -22,11 +25,13 @@ def test_two_pads_bear_the_weight_and_half_as_much_again() -> None:
     assert needs(1.0, 0.0) == pytest.approx((0.1839, 0.0), rel=1e-3)
 
 
-def test_a_pad_of_20_mm_squared_bears_a_torque_with_an_arm_of_7_6_mm() -> None:
-    """The mean distance of a square's points from its middle is 0.3826 of its side."""
-    x, y = np.meshgrid(*2 * [np.linspace(-10, 10, 401)])
-    arm_mm = np.hypot(x, y).mean()
-    assert needs(1.0, arm_mm)[1] == pytest.approx(9.80665 / 80, rel=0.01)
+@pytest.mark.parametrize(("wide_mm", "high_mm"), [(20.0, 20.0), (22.0, 4.0), (10.0, 30.0)])
+def test_a_pad_bears_a_torque_with_the_arm_that_its_points_have_on_average(wide_mm: float, high_mm: float) -> None:
+    """The mean distance from its middle: 7.7 mm of a square of 20 mm, 5.7 mm of a strip of 22 mm × 4 mm."""
+    places = [np.linspace(-0.5, 0.5, 401) * side for side in (wide_mm, high_mm)]
+    arm_mm = float(np.hypot(*np.meshgrid(*places)).mean())
+    pads = np.array([[wide_mm * MM, high_mm * MM]])
+    assert needs(1.0, arm_mm, pads=pads)[1] == pytest.approx(9.80665 / 80, rel=0.01)
 
 
 def test_what_turns_and_is_short_is_lifted_all_the_same() -> None:

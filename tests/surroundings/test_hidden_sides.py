@@ -28,7 +28,7 @@ class TestHiddenSides:
         low, high = (grasp.position[1] + sign * grasp.opening_m / 2 for sign in (-1, 1))
         assert abs(axes_from_quaternion(grasp.orientation)[1, 1]) > 0.98
         assert low < -radius - HAND.clearance_m
-        assert high > radius + HAND.clearance_m
+        assert high > radius
 
     def test_the_same_with_coarser_pixels(self, pr2: Gripper) -> None:
         grasp = seen(pr2, Tube((0.0, 0.0, 0.033), 0.033, 0.12, (1.0, 0.0, 0.0)), camera=replace(ABOVE, tilt_deg=50))
@@ -50,7 +50,7 @@ class TestHiddenSides:
         result = planned(KINECT.sees(TABLE, box), pr2, "depth.unseen=refuse")
         assert result.best is None
         assert result.objects[0].rejection is not None
-        assert result.objects[0].rejection.stage in {"unseen", "seen"}
+        assert result.objects[0].rejection.stage == "unseen"
         assert "hidden" in str(result.reason)
 
     def test_what_may_stand_unseen_makes_a_grasp_less_sure_unless_it_is_ignored(self, pr2: Gripper) -> None:

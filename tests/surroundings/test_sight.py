@@ -1,85 +1,124 @@
-"""What the sensor saw beside an object, told by profiles and views that are known to the millimetre."""
+"""How far an object goes on where it was not seen, told by profiles and envelopes that are known to the millimetre."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from flatgrasp_cli.funnel import Funnel, NothingLeft
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
-from flatgrasp_cli.geometry.height_map import HeightMap
+from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 from flatgrasp_cli.model import FingerCandidates
+from flatgrasp_cli.surroundings.envelope import Envelope
 from flatgrasp_cli.surroundings.maps import HeightMaps
-from flatgrasp_cli.surroundings.sight import hidden_extent, hidden_share, of_known_thickness, seen_sides
-from tests.by_hand import MM, Relief, across, candidates
+from flatgrasp_cli.surroundings.sight import hidden_extent, seen_sides, unseen_beyond
+from tests.by_hand import MM, Relief, candidates
 
 LEVEL_M = 4 * MM
+CELL_M = 2 * MM
 AT_ORIGIN = candidates(np.zeros((1, 2)), np.array([[0.0, 1.0]]))
 """One candidate: the object lies toward +y, the pad, 20 mm wide, along x."""
+ANYTHING_M = 1.0
+"""A bound that decides nothing."""
 
 
 def surface(relief_mm: Relief) -> HeightMap:
-    """The map of a surface whose height is given over x and y, the way inward, all in millimetres."""
+    """The map of a surface whose height is given over x and y, the way inward, all in millimetres; NaN is unseen."""
     steps = np.arange(-59.75, 120.0, 0.5)
     x, y = (axis.ravel() for axis in np.meshgrid(steps, steps))
-    return HeightMap.of(MM * np.column_stack([x, y, relief_mm(x, y)]), 0.5 * MM)
+    heights = np.asarray(relief_mm(x, y), dtype=np.float64) + 0 * x
+    seen = np.isfinite(heights)
+    chart = HeightMap.around(MM * np.column_stack([x, y, 0 * x]), CELL_M)
+    return chart.raised(MM * np.column_stack([x, y, heights])[seen])
 
 
 @dataclass(frozen=True)
-class Seen:
-    """A view in which space lies so far behind what was seen there: a function of x, the way out, and height, in mm."""
+class Shadow:
+    """A view in which everything lower than a shadow's top, in millimetres over y, is hidden."""
 
-    behind_mm: Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
-    image: None = None
+    top_mm: Relief
 
-    def hides(self, columns: FloatArray, margin_m: float) -> BoolArray:
+    def hides(self, columns: FloatArray) -> BoolArray:
         x, y, z = columns / MM
-        return np.asarray(MM * self.behind_mm(x, -y, z - LEVEL_M / MM) > margin_m)
+        return np.asarray(z < self.top_mm(x, y))
 
 
-def share(behind_mm: Callable[[FloatArray, FloatArray, FloatArray], Any]) -> float:
-    """The hidden share of the space before the candidate."""
-    view: Any = Seen(lambda x, out, up: np.where(behind_mm(x, out, up), 100.0, 0.0))
-    return float(hidden_share(AT_ORIGIN, view, LEVEL_M)[0])
+def behind_a_box(shadow_mm: Relief, top_mm: float = 40.0) -> Envelope:
+    """The envelope about a box that reaches from y = 0 inward, with nothing seen outward of it."""
+    view: Any = Shadow(shadow_mm)
+    return Envelope.of(surface(lambda _x, y: np.where(y >= 0, top_mm, np.nan)), view, top_mm * MM)
 
 
-class TestHiddenShare:
-    @pytest.mark.parametrize(("from_mm", "hidden"), [(2, 1), (4, 2 / 3), (6, 1 / 3), (8, 0)])
-    def test_it_is_that_of_the_space_3_to_7_mm_before_the_chord(self, from_mm: float, hidden: float) -> None:
-        assert share(lambda _x, out, _up: out > from_mm) == pytest.approx(hidden)
+class TestEnvelope:
+    def test_what_was_seen_is_where_it_was_seen(self) -> None:
+        envelope = behind_a_box(lambda _x, y: 40 + y)
+        x, y = np.zeros(3), MM * np.array([10.0, 20.0, 30.0])
+        assert envelope.lowest.over(x, y) == pytest.approx(40 * MM)
+        assert envelope.highest.over(x, y) == pytest.approx(40 * MM)
 
-    @pytest.mark.parametrize(("below_mm", "hidden"), [(2, 0), (6, 0.5), (12, 1)])
-    def test_and_3_to_10_mm_above_the_fingertips(self, below_mm: float, hidden: float) -> None:
-        assert share(lambda _x, _out, up: up < below_mm) == pytest.approx(hidden)
+    def test_behind_that_it_may_be_as_high_as_the_shadow(self) -> None:
+        """A ray at 45° over the edge."""
+        envelope = behind_a_box(lambda _x, y: 40 + y)
+        x, y = np.zeros(4), -MM * np.array([5.0, 15.0, 25.0, 35.0])
+        assert (envelope.lowest.over(x, y) == UNSEEN).all()
+        assert envelope.highest.over(x, y) == pytest.approx(40 * MM + y, abs=1.5 * CELL_M)
 
-    @pytest.mark.parametrize(("beyond_mm", "hidden"), [(3, 4 / 5), (5, 2 / 5), (9, 0)])
-    def test_and_all_along_the_pad(self, beyond_mm: float, hidden: float) -> None:
-        assert share(lambda x, _out, _up: np.abs(x) > beyond_mm) == pytest.approx(hidden)
+    def test_hidden_things_are_no_higher_than_the_object(self) -> None:
+        envelope = behind_a_box(lambda _x, y: 300 + 0 * y)
+        assert envelope.highest.heights.max() == pytest.approx(40 * MM)
 
-    @pytest.mark.parametrize(("behind_mm", "hidden"), [(4, 0), (8, 1)])
-    def test_6_mm_behind_a_surface_may_be_its_noise(self, behind_mm: float, hidden: float) -> None:
-        view: Any = Seen(lambda x, _out, _up: np.full(len(x), behind_mm))
-        assert hidden_share(AT_ORIGIN, view, LEVEL_M)[0] == hidden
+    def test_where_all_was_seen_nothing_may_stand(self) -> None:
+        chart = surface(lambda _x, y: np.where(y >= 0, 40.0, 0.0))
+        dark: Any = Shadow(lambda _x, y: 300 + 0 * y)
+        envelope = Envelope.of(chart, dark, 40 * MM)
+        assert not envelope.may_reach(LEVEL_M, np.zeros(9), np.linspace(-30, 30, 9) * MM).any()
 
 
-def extent_mm(relief_mm: Relief, fall_deg: float) -> float:
+class TestUnseenBeyond:
+    @pytest.mark.parametrize("top_mm", [10.0, 20.0, 30.0])
+    def test_it_reaches_to_where_the_lowest_ray_comes_down_to_the_fingertips(self, top_mm: float) -> None:
+        envelope = behind_a_box(lambda _x, y: top_mm + y, top_mm)
+        assert unseen_beyond(AT_ORIGIN, envelope, LEVEL_M)[0] == pytest.approx(top_mm * MM - LEVEL_M, abs=2 * CELL_M)
+
+    def test_higher_up_the_shadow_is_narrower(self) -> None:
+        envelope = behind_a_box(lambda _x, y: 40 + y)
+        assert unseen_beyond(AT_ORIGIN, envelope, 25 * MM)[0] == pytest.approx(15 * MM, abs=2 * CELL_M)
+
+    def test_a_flat_shadow_hides_nothing_of_what_fingers_reach(self) -> None:
+        assert unseen_beyond(AT_ORIGIN, behind_a_box(lambda _x, y: 3 + 0 * y), LEVEL_M)[0] == 0
+
+    @pytest.mark.parametrize(("seen_mm", "bound"), [(6, 0.0), (4, 36.0)])
+    def test_half_of_the_pads_places_decide(self, seen_mm: float, bound: float) -> None:
+        """Where the plane was seen beside a narrow shadow: at |x| of more than 6 or 4 mm on a pad of 20."""
+        wide = surface(lambda x, y: np.where(y >= 0, 40.0, np.where(np.abs(x) < 10 - seen_mm, np.nan, 0.0)))
+        narrow: Any = Shadow(lambda _x, y: 300 + 0 * y)
+        found = unseen_beyond(AT_ORIGIN, Envelope.of(wide, narrow, 40 * MM), LEVEL_M)[0]
+        assert (found > 0) == (bound > 0)
+
+
+def maps(relief_mm: Relief) -> HeightMaps:
+    """The maps of a surface that is all there is."""
+    chart = surface(relief_mm)
+    return HeightMaps(surface=chart, rest=chart, highest=chart, coarse=chart)
+
+
+def extent_mm(relief_mm: Relief, fall_deg: float, bound_m: float = ANYTHING_M) -> float:
     """How far what has that relief goes on beyond the chord, for a sensor so high above the horizon of the limb."""
     limb_mm = float(relief_mm(np.zeros(1), np.zeros(1))[0])
     fall = np.radians(fall_deg)
     sensor = np.array([0.0, np.cos(fall), np.sin(fall) + limb_mm * MM])
-    return float(hidden_extent(AT_ORIGIN, surface(relief_mm), np.array([True]), sensor)[0]) / MM
+    return float(hidden_extent(AT_ORIGIN, maps(relief_mm), np.array([bound_m]), sensor)[0]) / MM
 
 
 def lying_can(radius_mm: float, limb_deg: float) -> Relief:
     """A can along x that is last seen where its surface has that slope: at the chord."""
 
     def relief(_x: FloatArray, y: FloatArray) -> FloatArray:
-        from_axis = np.clip((radius_mm * np.sin(np.radians(limb_deg)) - y) / radius_mm, -1, 1)
-        return np.asarray(radius_mm * (1 + np.sqrt(1 - from_axis**2)))
+        from_axis = (radius_mm * np.sin(np.radians(limb_deg)) - y) / radius_mm
+        with np.errstate(invalid="ignore"):
+            return np.asarray(radius_mm * (1 + np.sqrt(1 - from_axis**2)))
 
     return relief
 
@@ -87,84 +126,72 @@ def lying_can(radius_mm: float, limb_deg: float) -> Relief:
 class TestHiddenExtent:
     """Sensors see nothing at less than 15°: the slope of the limb is that of the ray less so much."""
 
-    @pytest.mark.parametrize(("radius_mm", "limb_deg"), [(25, 45), (40, 45), (40, 55)])
+    @pytest.mark.parametrize(("radius_mm", "limb_deg"), [(20, 25), (25, 45), (33, 25), (40, 45), (40, 55)])
     def test_a_lying_can_goes_on_to_where_it_is_widest(self, radius_mm: float, limb_deg: float) -> None:
         expected = radius_mm * (1 - np.sin(np.radians(limb_deg)))
         assert extent_mm(lying_can(radius_mm, limb_deg), limb_deg + 15) == pytest.approx(expected, rel=0.15)
 
-    def test_no_more_than_3_cm_are_believed(self) -> None:
-        assert extent_mm(lying_can(150, 30), 45) == pytest.approx(30)
+    def test_no_farther_than_the_rays_allow(self) -> None:
+        assert extent_mm(lying_can(33, 25), 40, bound_m=12 * MM) == pytest.approx(12)
 
     def test_a_box_ends_at_its_edge(self) -> None:
         assert extent_mm(lambda _x, y: 40 + 0 * y, 60) == 0
 
-    @pytest.mark.parametrize(("rise", "rounded"), [(0.12, False), (0.4, True)])
-    def test_a_surface_that_is_much_flatter_than_the_limb_ends_at_an_edge(self, rise: float, rounded: bool) -> None:
-        assert (extent_mm(lambda _x, y: 20 + rise * np.minimum(y, 30), 60) > 0) == rounded
+    @pytest.mark.parametrize("tilt", [0.05, -0.2, 0.2])
+    def test_so_does_one_that_is_not_quite_level(self, tilt: float) -> None:
+        assert extent_mm(lambda _x, y: 40 + tilt * (y - 20), 40) == 0
+
+    def test_heights_are_known_to_a_millimetre(self) -> None:
+        """What bends by less than that toward its edge is plane, and what bends by more is rounded."""
+
+        def bent(by_mm: float) -> Relief:
+            return lambda _x, y: 40 - by_mm * np.clip(1 - y / 20, 0, 1) ** 2
+
+        assert extent_mm(bent(1.0), 40) == 0
+        assert extent_mm(bent(6.0), 40) > 5
+
+    def test_a_flank_may_go_over_into_a_level(self) -> None:
+        """A cushion: a quarter of a circle of 30 mm and a level top, last seen 10 mm before it is upright."""
+
+        def cushion(_x: FloatArray, y: FloatArray) -> FloatArray:
+            return np.asarray(30 + 30 * np.sqrt(1 - np.clip((20 - y) / 30, 0, 1) ** 2))
+
+        limb_deg = np.degrees(np.arctan(20 / np.sqrt(30**2 - 20**2)))
+        assert extent_mm(cushion, limb_deg + 15) == pytest.approx(10, abs=2)
 
     def test_a_blunt_edge_is_an_edge(self) -> None:
-        """2 mm lower at the outermost cell, as a camera smooths it: no flank."""
+        """2 mm lower at the outermost cell, as a camera blurs it: no flank."""
         assert extent_mm(lambda _x, y: np.where(y < 2, 38.0, 40.0), 60) == 0
 
-    def test_its_height_is_that_of_the_first_4_cm(self) -> None:
-        """What stands up farther inside is another part of the object."""
-        can = lying_can(25, 45)
-        alone = extent_mm(can, 60)
-        assert extent_mm(lambda x, y: np.where(y > 45, 200.0, can(x, y)), 60) == alone
-        assert extent_mm(lambda x, y: np.where(y > 15, 70.0, can(x, y)), 60) < 0.7 * alone
+    @pytest.mark.parametrize(("fall", "known"), [(0.3, True), (0.8, False)])
+    def test_of_a_face_without_a_top_nobody_knows_how_thick_it_is(self, fall: float, known: bool) -> None:
+        """It rises toward the far edge that it was last seen at: then the object goes on as far as the rays allow."""
+        extent = extent_mm(lambda _x, y: np.where(y < 20, 40 - fall * y, np.nan), 40, bound_m=30 * MM)
+        assert (extent < 20) if known else (extent == pytest.approx(30))
 
-    def test_on_the_sensors_side_nothing_is_hidden(self) -> None:
-        can = surface(lying_can(25, 45))
-        assert hidden_extent(AT_ORIGIN, can, np.array([True]), np.array([0.0, -0.5, 0.8]))[0] == 0
+    def test_nor_of_a_strip_of_a_few_millimetres(self) -> None:
+        """An upright face seen from the front is as broad as the sensor's noise."""
+        assert extent_mm(lambda _x, y: np.where(y < 4, 40.0, np.nan), 40, bound_m=30 * MM) == pytest.approx(30)
+        assert extent_mm(lambda _x, y: np.where(y < 10, 40.0, np.nan), 40, bound_m=30 * MM) == 0
 
-
-def maps(relief_mm: Relief, face_mm: Relief) -> HeightMaps:
-    """The maps of an object whose points lie so far below its surface on average."""
-    top, mean = surface(relief_mm), surface(lambda x, y: relief_mm(x, y) - face_mm(x, y))
-    return HeightMaps(surface=mean, average=mean, rest=top, highest=top, coarse=top)
+    def test_on_the_sensors_side_a_flank_was_seen_to_its_end(self) -> None:
+        found = hidden_extent(AT_ORIGIN, maps(lying_can(25, 45)), np.array([ANYTHING_M]), np.array([0.0, -0.5, 0.8]))
+        assert found[0] == 0
 
 
-def sides(hidden: float, face_mm: Relief = lambda _x, y: 0 * y, loop: int = 0) -> FingerCandidates:
-    """What is left of the candidate on that loop, before a lying can of which such a share is hidden."""
-    view: Any = Seen(lambda x, _out, _up: np.where(np.arange(len(x)) < round(hidden * len(x)), 100.0, 0.0))
+def sides(envelope: Envelope, loop: int) -> FingerCandidates:
+    """What is left of the candidate on that loop, before a lying can."""
     place = replace(AT_ORIGIN, loop=np.array([loop]))
-    sensor = np.array([0.0, 0.5, 0.9])
-    return seen_sides(place, maps(lying_can(25, 45), face_mm), view, sensor, LEVEL_M)
+    return seen_sides(place, maps(lying_can(25, 45)), envelope, np.array([0.0, 0.5, 0.9]), LEVEL_M)
 
 
 class TestSeenSides:
-    @pytest.mark.parametrize(("hidden", "shadowed"), [(0.4, False), (0.6, True)])
-    def test_a_side_lies_in_the_shadow_if_more_than_half_of_the_space_is_hidden(
-        self, hidden: float, shadowed: bool
-    ) -> None:
-        assert (sides(hidden).hidden[0] > 1 * MM) == shadowed
+    def test_in_the_shadow_the_object_goes_on(self) -> None:
+        assert sides(behind_a_box(lambda _x, y: 40 + y), loop=0).hidden[0] > 5 * MM
 
-    @pytest.mark.parametrize(("hidden", "left"), [(0.1, 1), (0.3, 0)])
-    def test_a_hole_is_seen_through_if_no_more_than_a_fifth_is_hidden(self, hidden: float, left: int) -> None:
-        assert len(sides(hidden, loop=1)) == left
-        assert len(sides(hidden, loop=0)) == 1
+    def test_in_the_light_it_ends(self) -> None:
+        assert sides(behind_a_box(lambda _x, y: 0 * y), loop=0).hidden[0] == 0
 
-    @pytest.mark.parametrize(("face_mm", "seen"), [(5, True), (12, False)])
-    def test_points_8_mm_below_the_highest_are_those_of_a_face(self, face_mm: float, seen: bool) -> None:
-        assert sides(1.0, lambda _x, y: face_mm + 0 * y).seen[0] == seen
-
-    def test_a_face_shows_within_5_mm_of_the_chord(self) -> None:
-        assert not sides(1.0, lambda _x, y: np.where(y < 6, 12.0, 0.0)).seen[0]
-        assert not sides(1.0, lambda _x, y: np.where(y > 2, 15.0, 0.0)).seen[0]
-        assert sides(1.0, lambda _x, y: np.where(y > 6, 100.0, 0.0)).seen[0]
-
-    def test_in_the_light_all_was_seen(self) -> None:
-        assert sides(0.0, lambda _x, y: 12 + 0 * y).seen[0]
-
-
-@pytest.mark.parametrize(("distance_mm", "kept"), [(20, False), (40, True)])
-def test_two_sides_of_a_seen_face_are_no_thin_object(distance_mm: float, kept: bool) -> None:
-    """Within 3 cm they may be. Where both ends were seen it is as thin as it looks."""
-    fingers, grasps = across([distance_mm * MM])
-    assert len(of_known_thickness(fingers, grasps, Funnel())) == 1
-    one_unseen = replace(fingers, seen=np.array([True, False]))
-    if kept:
-        assert len(of_known_thickness(one_unseen, grasps, Funnel())) == 1
-        return
-    with pytest.raises(NothingLeft, match="only a face of the object was seen"):
-        of_known_thickness(one_unseen, grasps, Funnel())
+    def test_a_finger_stands_in_a_hole_only_if_that_was_seen_through(self) -> None:
+        assert len(sides(behind_a_box(lambda _x, y: 0 * y), loop=1)) == 1
+        assert len(sides(behind_a_box(lambda _x, y: 40 + y), loop=1)) == 0

@@ -44,8 +44,8 @@ class TestTheWallsTop:
         nothing = walls(AT_ORIGIN, empty, empty, LEVEL_M, FRICTION)
         assert (nothing.top[0], nothing.boundary[0], nothing.flank[0]) == (LEVEL_M, LEVEL_M, 0.0)
 
-    @pytest.mark.parametrize(("begins_mm", "boundary_mm"), [(3.5, 40), (1.5, 40 + 20 * 2 / 3)])
-    def test_the_boundary_is_the_mean_of_the_first_3_mm(self, begins_mm: float, boundary_mm: float) -> None:
+    @pytest.mark.parametrize(("begins_mm", "boundary_mm"), [(6, 40), (3.5, 40 + 20 * 2 / 5), (1.5, 40 + 20 * 4 / 5)])
+    def test_the_boundary_is_the_mean_of_the_first_5_mm(self, begins_mm: float, boundary_mm: float) -> None:
         step = found(lambda _x, y: np.where(y < begins_mm, 40.0, 60.0))
         assert step.boundary[0] == pytest.approx(boundary_mm * MM)
 

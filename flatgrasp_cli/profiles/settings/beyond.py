@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from flatgrasp_cli.profiles.base import Length, Profile, Share, Size, Step
+from flatgrasp_cli.profiles.base import Derived, Length, Profile, Share, Size, Step
 
 
 class DepthSettings(Profile):
@@ -18,8 +18,8 @@ class DepthSettings(Profile):
     """The same for an object hardly higher than that, metres."""
     low_object_share: Share
     """Fingertips go down to this share of a low object's height."""
-    palm_clearance_m: Length
-    """Free space between the palm and whatever is highest below it, metres."""
+    palm_clearance_m: Derived
+    """Free space between the palm and whatever is highest below it, metres; null: as over the table."""
     obstacle_clearance_m: Length
     """Free space between fingertips and what lies below them, metres."""
     min_grip_m: Size
@@ -84,11 +84,14 @@ class CagingSettings(Profile):
     """The number of the best grasps that compete when cages decide."""
     closing: Literal["inward", "outward"]
     """Whether the fingers close on the object or open in a notch or a hole of it."""
-    tolerance_m: Length
-    """How far the outline may be simplified, metres; more if it has more than `max_vertices` then."""
+    tolerance_m: Derived
+    """How far the outline may be simplified, metres, null: `uncertainty.outline_m`; more if it has more
+    than `max_vertices` then."""
     max_vertices: Annotated[int, Field(ge=8, le=1000)]
     """Largest number of the outline's vertices: time grows with their square."""
-    noise_m: Length
-    """By how much the outline may be wrong in the guaranteed limits, metres."""
-    told_apart_m: Length
-    """Grasps less deep than this, metres, from their width to the opening that leads to the next one, count as one."""
+    noise_m: Derived
+    """By how much the outline may be wrong in the guaranteed limits, metres; null: 1.5 times as much as
+    `uncertainty.outline_m`."""
+    told_apart_m: Derived
+    """Grasps less deep than this, metres, from their width to the opening that leads to the next one, count as one;
+    null: twice `noise_m`."""

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from flatgrasp_cli.profiles.base import Angle, Length, Profile, Share, Size, Step
+from flatgrasp_cli.profiles.base import Angle, Derived, Length, Profile, Share, Size, Step
 from flatgrasp_cli.profiles.gripper import Gripper
 
 Friction = Annotated[float, Field(ge=0.01, le=5)]
@@ -26,8 +26,8 @@ class SilhouetteSettings(Profile):
     """Radius α of the hull's empty discs, metres; None: from the points' spacing."""
     min_coverage: Annotated[float, Field(ge=0.01, le=1)]
     """α grows until the largest piece holds this share of the points."""
-    tolerance_m: Length
-    """How far the outline may be simplified (Douglas–Peucker), metres."""
+    tolerance_m: Derived
+    """How far the outline may be simplified (Douglas–Peucker), metres; null: half of `uncertainty.outline_m`."""
     min_hole_m: Length
     """Holes whose area is less than that of a disc of this diameter, metres, are taken for missing pixels and filled.
     """
@@ -92,8 +92,8 @@ class HandSettings(Profile):
     """The hand closes along the two directions' bisector (pads lie flush) or along the line of contacts."""
     width: Literal["extent", "midpoints"]
     """The object's width: its extent under the pads, or the distance of the contacts."""
-    clearance_m: Length
-    """Least free space between each pad and the object before closing, metres."""
+    clearance_m: Derived
+    """Least free space between each pad and the object before closing, metres; null: twice `uncertainty.outline_m`."""
     preshape_m: Size
     """Free space aimed at between each pad and the object, where there is room, metres."""
     variance_max: Annotated[float, Field(ge=1e-6, le=1e3)] | None
@@ -102,8 +102,9 @@ class HandSettings(Profile):
     """Largest variance, as a share of the candidate's width, where `variance_max` is None."""
     operability: Literal["swept", "eq2"]
     """Exact swept rectangles of fingers and palm, or the paper's eq. (2) on the hull's points."""
-    contact_tolerance_m: Length
-    """Boundary this far beyond the contact, metres, still counts as the contact."""
+    contact_tolerance_m: Derived
+    """Boundary this far beyond the contact, metres, still counts as the contact; null: twice
+    `uncertainty.outline_m`."""
 
 
 class GravitySettings(Profile):

@@ -88,7 +88,7 @@ def _draw_silhouette(axes: Axes, item: ObjectPlan, silhouette: Silhouette, view:
     draw_loops(axes, silhouette, view)
     fingers = item.trace.fingers
     if fingers is not None:
-        unsure = (fingers.hidden > 0) | ~fingers.seen
+        unsure = fingers.hidden > 0
         if unsure.any():
             start, end = (view.of_plane(silhouette.frame, ends[unsure]) for ends in (fingers.start, fingers.end))
             style = {"colors": SKY, "linewidths": 3.0, "alpha": 0.6, "zorder": 2}

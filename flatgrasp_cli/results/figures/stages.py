@@ -45,7 +45,6 @@ PAIR_STAGES = {
     "force_balance": ("B.1", "the two fingers press against each other: γ between their directions is small enough"),
     "torque_balance": ("B.2", "they press along almost the same line, so that nothing turns in the hand"),
     "pads": ("B.3", "both contacts lie under the pads, although they are not quite opposite each other"),
-    "seen": ("B.3", "the object was seen to be as thick there as it looks"),
     "grasping_range": ("B.3", "the object is wide enough there, and not too wide for the hand"),
     "variance": ("B.4", "the silhouette under the pads is even enough"),
     "operability": ("B.5", "open fingers have room beside the object, and their way to it is free"),

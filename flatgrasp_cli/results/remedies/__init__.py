@@ -18,7 +18,6 @@ OF_STAGE: dict[str, Callable[[Plan, ObjectPlan, Rejection], str | None]] = {
     "finger_candidates": hand.narrow_fingers,
     "pairs": hand.narrow_fingers,
     "open_sides": scene.other_view,
-    "seen": scene.other_view,
     "force_balance": balance.force_unbalanced,
     "torque_balance": balance.torque_unbalanced,
     "pads": balance.beside_pads,
