@@ -54,7 +54,6 @@ STAGES = {
         (OnSupport, "sides"),
     ),
     "pairs": (
-        (pipeline, "force_balance"),
         (pipeline, "force_balanced"),
         (pipeline, "torque_balanced"),
         (pipeline, "closing_axes"),

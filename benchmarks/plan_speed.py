@@ -32,7 +32,6 @@ SECTIONS: dict[str, list[tuple[ModuleType | type, str]]] = {
     "A.1": [(objects, "oriented_box")],
     "A.2": [(answers, "silhouette_of")],
     "A.3": [(pipeline, "step_points"), (pipeline, "finger_candidates"), (pipeline, "inward_directions")],
-    "B.1": [(pipeline, "force_balance"), (pipeline, "force_balanced")],
     "B.2": [(pipeline, "torque_balanced")],
     "B.3": [(pipeline, "closing_axes"), (pipeline, "on_pads"), (pipeline, "in_range")],
     "B.4": [(pipeline, "flat")],

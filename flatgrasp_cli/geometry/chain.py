@@ -43,10 +43,6 @@ class Chain:
         """The chain with these vertices (n, p)."""
         return cls(x, y, _slopes(x, y), breaks)
 
-    def flipped(self) -> Chain:
-        """The chain with y turned over."""
-        return Chain(self.x, -self.y, -self.slope, self.breaks)
-
     def clipped(self, low: float, high: float) -> tuple[BoolArray, FloatArray, FloatArray]:
         """Which edges (n − 1, p) meet the strip low ≤ x ≤ high, and the lowest and highest y of each that does."""
         below, above = self.x < high, self.x > low
