@@ -13,6 +13,8 @@ from flatgrasp_cli.scene.parting.joints import CORE_CELLS, held_together
 from flatgrasp_cli.scene.parting.seams import color_seam_cells, seam_cells, surface_normals
 from flatgrasp_cli.scene.parting.view_grid import DOWN, RIGHT, SIDES, ViewGrid, shifted
 
+LEAST_CELLS = 30
+"""Cells of a piece, at least: of fewer most lie at its own edge, where normals are poor."""
 SURE_SIGMAS = 4.0
 """A bend is told from noise by so many of its standard deviations."""
 
@@ -59,7 +61,7 @@ def pieces(surface: Surface, limits: Limits) -> IntArray:
     if surface.colors is not None and limits.seam_color is not None:
         seams |= color_seam_cells(grid, surface.colors, limits.seam_color)
     names = _connected(grid, has_normal & ~seams)
-    for least_cells in (CORE_CELLS, (limits.least_m / grid.cell_m) ** 2):
+    for least_cells in (CORE_CELLS, max(LEAST_CELLS, (limits.least_m / grid.cell_m) ** 2)):
         names = _of_size(names, least_cells)
         if np.count_nonzero(np.bincount(names.ravel())[1:]) < 2:
             return np.ones(len(surface.points), dtype=np.intp)
