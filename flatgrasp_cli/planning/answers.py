@@ -93,9 +93,10 @@ class Search:
         center, volume = gravity_center(silhouette, self.settings.gravity), min(volume_m3(silhouette), most_m3)
         best = self._in(place, PlaneShape(place.box, silhouette, center, volume))
         for part in slices:
-            if not self._is_sure(best):
-                shape = PlaneShape(part.box, _silhouette(part, self.settings), center, volume)
-                best = self.better(best, self._in(part, shape))
+            if self._is_sure(best):
+                break  # and no further slice is made
+            shape = PlaneShape(part.box, _silhouette(part, self.settings), center, volume)
+            best = self.better(best, self._in(part, shape))
         return best if best.grasps is None or self.reach is None else replace(best, reaches=self.reach(best))
 
     def is_enough(self, best: Answer) -> bool:

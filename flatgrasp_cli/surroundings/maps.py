@@ -21,7 +21,7 @@ class HeightMaps:
 
     `surface` is the mean height of the slice's own points. `rest` is the highest point of everything else that fingers
     can meet: 0 where the plane is free, −inf where no ray came. `highest` is that of everything, for the parts of
-    fingers that are away from the contact, and `coarse` the same in larger cells, for the palm.
+    fingers that are away from the contact, and `coarse` the same as far as anything was seen, for the palm.
     """
 
     surface: HeightMap
@@ -43,7 +43,11 @@ class Relief:
     lowest_m: float
     ground_m: float
     maps: HeightMaps
-    envelope: Envelope
     view: View
     settings: PlannerSettings
     height_m: float = np.inf
+
+    @property
+    def envelope(self) -> Envelope:
+        """Between what was seen and what the rays allow."""
+        return Envelope(self.maps.highest, self.view)

@@ -20,7 +20,6 @@ from flatgrasp_cli.geometry.spacing import spacing
 from flatgrasp_cli.model import ObjectCloud, OrientedBox, SupportPlane
 from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.surroundings.alone import Alone
-from flatgrasp_cli.surroundings.envelope import Envelope
 from flatgrasp_cli.surroundings.interface import Surroundings
 from flatgrasp_cli.surroundings.maps import HeightMaps
 from flatgrasp_cli.surroundings.on_support import OnSupport
@@ -104,15 +103,13 @@ def _slices(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, setting
         others = others.filled(cloud.floor.levels, frame, cloud.floor.frame)
     highest = others.raised(local)
     coarse = HeightMap.of(np.concatenate([local, obstacles]), cell_m)
-    view = _view(cloud, frame, cell_m)
     lowest, *upper = slices(local, cell_m, settings.depth)
     around = OnSupport(
         level_m=lowest.level_m,
         lowest_m=lowest.level_m,
         ground_m=settings.depth.min_clearance_m,
         maps=HeightMaps(surface=highest.averaged(local), rest=others, highest=highest, coarse=coarse),
-        envelope=Envelope(highest, view),
-        view=view,
+        view=_view(cloud, frame, cell_m),
         settings=settings,
     )
     whole = Place(box=box, frame=frame, points=cloud.points, surroundings=around, spacing_m=spacing_m)

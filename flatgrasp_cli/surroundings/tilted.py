@@ -23,7 +23,6 @@ from flatgrasp_cli.model import Floor, ObjectCloud
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.surroundings.aslant import SURELY_BEHIND_M, Aslant
-from flatgrasp_cli.surroundings.envelope import Envelope
 from flatgrasp_cli.surroundings.maps import HeightMaps
 from flatgrasp_cli.surroundings.places import (
     FINGERS_M,
@@ -122,17 +121,15 @@ class Tilted:
         spacing_m = min(spacing(local[:, :2]), NEIGHBOURS_WITHIN * self.floor.spacing_m)
         cell_m = max(MIN_CELL_M, spacing_m)
 
-        coarse = self._standing(local, frame, cell_m).raised(obstacles).raised(local)
-        if not self._has_room(coarse, local, gripper):
-            return None
         others = self._standing(local, frame, cell_m).raised(obstacles)
+        if not self._has_room(others.raised(local), local, gripper):
+            return None
         x, y, _ = frame.to_local(self._body).T
         own = others.averaged(local)
         body = self._body[own.over(x, y) == UNSEEN]
         points = np.concatenate([self.cloud.points, body])
         local = np.concatenate([local, frame.to_local(body)])
         highest = others.raised(local)
-        view = replace(self._view, asked=frame)
         lowest_m = float(lowest_tip(top_of(local[:, 2]), self.settings.depth))
         around = Aslant(
             level_m=lowest_m,
@@ -142,10 +139,9 @@ class Tilted:
                 surface=highest.averaged(local),
                 rest=others,
                 highest=highest,
-                coarse=coarse.raised(local),
+                coarse=highest,
             ),
-            envelope=Envelope(highest, view),
-            view=view,
+            view=replace(self._view, asked=frame),
             settings=self.settings,
             height_m=self._height_m,
             own=own,
@@ -156,10 +152,7 @@ class Tilted:
         """The floor around points `local` (n, 3), seen along z of the `frame`."""
         normal = self.floor.frame.axes[2]
         fall = max(float(frame.axes[2] @ normal), LEAST_FALL)
-        beside_m = max(
-            0.0,
-            float(lowest_tip(self._height_m, self.settings.depth)) - fall * self.settings.depth.obstacle_clearance_m,
-        )
+        beside_m = max(0.0, self._clearance_m - fall * self.settings.depth.obstacle_clearance_m)
         chart = HeightMap.around(local, cell_m, FINGERS_M)
         rows, columns = chart.raster.shape
         x = chart.raster.origin[0] + cell_m * (0.5 + np.arange(rows))
