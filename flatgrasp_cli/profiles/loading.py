@@ -197,12 +197,12 @@ def _validate(model: type[P], data: dict[str, Any], path: Path, overrides: str =
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        problems = error.errors(include_url=False)
+        problems = _explained(model, error)
         place = f"{path} with {overrides}" if overrides else str(path)
         more = (
             f"\n(and {len(problems) - 1} more; `flatgrasp profiles check FILE` lists all)" if len(problems) > 1 else ""
         )
-        raise ProfileError(f"{place}: {_explain(model, problems[0])}{more}") from error
+        raise ProfileError(f"{place}: {problems[0]}{more}") from error
 
 
 def problems_in(path: Path) -> list[str]:
@@ -212,21 +212,40 @@ def problems_in(path: Path) -> list[str]:
     try:
         model.model_validate(data)
     except ValidationError as error:
-        return [_explain(model, problem) for problem in error.errors(include_url=False)]
+        return _explained(model, error)
     return []
 
 
-def _explain(model: type[BaseModel], problem: Any) -> str:
-    """One fault in words: the dotted key, the value, what is allowed."""
-    where = [part for part in problem["loc"] if isinstance(part, str)]
-    key, value = ".".join(str(part) for part in problem["loc"]), problem["input"]
+def _explained(model: type[BaseModel], error: ValidationError) -> list[str]:
+    """The faults in words, one for each key: the dotted key, its value, and what that would have to be."""
+    found: dict[str, list[str]] = {}
+    for problem in error.errors(include_url=False):
+        # the place of a value that may be one thing or another goes on with the type that it is not: tuple[…]
+        choice = next((k for k, part in enumerate(problem["loc"]) if "[" in str(part)), len(problem["loc"]))
+        key, inside = (".".join(map(str, parts)) for parts in (problem["loc"][:choice], problem["loc"][choice + 1 :]))
+        text = _explain(model, key, problem)
+        if found.get(key) or not _shows_value(problem):
+            found.setdefault(key, []).append(f"{inside}: {text}" if inside else text)
+        else:
+            found[key] = [f"{reprlib.repr(problem['input'])}: {text}"]
+    return [": ".join(filter(None, (key, ", or ".join(texts)))) for key, texts in found.items()]
+
+
+def _shows_value(problem: Any) -> bool:
+    """Whether a fault is that of a key's value, and not that of the key."""
+    return bool(problem["loc"]) and problem["type"] not in ("extra_forbidden", "missing")
+
+
+def _explain(model: type[BaseModel], key: str, problem: Any) -> str:
+    """What is wrong with a key or with its value, in words."""
     if problem["type"] == "extra_forbidden":
-        allowed = [name for name in _fields_at(model, where[:-1]) if name != "profile"]
-        return f"{key}: unknown key{suggestion(where[-1], allowed)} (allowed: {', '.join(allowed)})"
+        *sections, word = key.split(".")
+        allowed = [name for name in _fields_at(model, sections) if name != "profile"]
+        return f"unknown key{suggestion(word, allowed)} (allowed: {', '.join(allowed)})"
     if problem["type"] == "missing":
-        return f"{key}: missing"
-    text = problem["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
-    return f"{key}: {reprlib.repr(value)}: {text}" if key else text
+        return "missing"
+    text = str(problem["msg"]).removeprefix("Value error, ")
+    return text.replace("Input should be", "must be").replace("a valid tuple", "a list")
 
 
 def _fields_at(model: type[BaseModel], path: list[str]) -> list[str]:

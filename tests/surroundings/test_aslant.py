@@ -15,6 +15,7 @@ from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.model import ObjectCloud, OrientedBox, SupportPlane
 from flatgrasp_cli.scene import segment
 from flatgrasp_cli.surroundings import Aslant, Direction, Tilted, directions, tilt_deg
+from flatgrasp_cli.surroundings.directions import SAME_DEG
 from tests.conftest import MM, TABLE, Box, Camera
 from tests.scene.test_heaps import distance, walls
 from tests.surroundings.on_a_table import hand_in
@@ -98,9 +99,8 @@ class TestInABin:
         assert down is None or down.tilt_deg == pytest.approx(0)
         found = planned()
         assert found.best is not None, found.reason
-        assert found.best.tilt_deg == pytest.approx(30)
         for grasp in found.objects[0].grasps:
-            assert grasp.tilt_deg == pytest.approx(30)
+            assert grasp.tilt_deg > SAME_DEG
             assert axes_from_quaternion(grasp.orientation)[2][0] > 0.1, "it leans away from the wall"
             for back in (0.0, 0.03, 0.06, 0.1):
                 hand = hand_in(grasp, found.gripper, back_m=back)
