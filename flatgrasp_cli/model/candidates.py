@@ -178,15 +178,13 @@ class OpenHands:
     """p open hands in the plane, where they really come to stand.
 
     `center` (p, 2) lies midway between the pads, the hands close along the unit `axis` (p, 2), open by `opening` (p,),
-    and their fingertips end at the heights `tip` (p,). `luck` (p,), 0 to 1, tells how much of what may be in their way
-    really is.
+    and their fingertips end at the heights `tip` (p,).
     """
 
     center: FloatArray
     axis: FloatArray
     opening: FloatArray
     tip: FloatArray
-    luck: FloatArray
 
     def __len__(self) -> int:
         """Number of hands."""

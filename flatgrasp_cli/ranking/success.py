@@ -83,7 +83,6 @@ class Situation:
             axis=axis.reshape(-1, 2),
             opening=np.repeat(grasps.opening, len(errors)),
             tip=(grasps.tip[:, None] + errors.height).ravel(),
-            luck=np.tile(errors.luck, len(grasps)),
         )
         found = closed(self.shape.silhouette.loops, hands, self.gripper, self.settings.hand.contact_tolerance_m)
         stops = self.surroundings.stopped(hands, self.gripper)

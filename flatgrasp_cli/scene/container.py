@@ -32,12 +32,17 @@ WALL_STEP_M = 0.01
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Container:
-    """A bin in cells (rows, columns) of the `raster` of a support plane's `frame`: its `inside` and its `ground`."""
+    """A bin in cells (rows, columns) of the `raster` of a support plane's `frame`: its `ground`, and what lies in it.
+
+    `inside` is what lies away from its walls; these are `walls`, and their rims are `rim_m` high.
+    """
 
     frame: Frame
     raster: Raster
-    inside: BoolArray
     ground: BoolArray
+    inside: BoolArray
+    walls: BoolArray
+    rim_m: float
 
     def covers(self, points: FloatArray) -> BoolArray:
         """Which of `points` (n, 3) belong to the bin or lie in it."""
@@ -48,6 +53,11 @@ class Container:
         """Which of `points` (n, 3) lie over the inside, away from the walls."""
         x, y, _ = self.frame.to_local(points).T
         return np.asarray(self.inside.take(self.raster.cells(x, y)))
+
+    def has_in_walls(self, points: FloatArray) -> BoolArray:
+        """Which of `points` (n, 3) lie where the walls stand, below their rims: these are the walls'."""
+        x, y, height = self.frame.to_local(points).T
+        return np.asarray(self.walls.take(self.raster.cells(x, y)) & (height < self.rim_m))
 
     def solid(self, points: FloatArray) -> FloatArray:
         """Points (k, 3) that fill walls from the highest of the `points` (n, 3) that were seen of them to the floor.
@@ -86,8 +96,21 @@ def find_container(points: FloatArray, floor: Floor, *, stated: bool) -> Contain
             pool = pools & (grounds == ground)
             inside = _rectangle(pool, least_m / raster.cell_m)
             if inside is not None and np.count_nonzero(pool) >= LEAST_WET * np.count_nonzero(inside):
-                return Container(floor.frame, raster, _shrunk(inside, WALL_FOOT_M / raster.cell_m), grounds == ground)
+                return _container(floor, filled, level, grounds == ground, inside)
     return None
+
+
+def _container(floor: Floor, filled: FloatArray, level: float, ground: BoolArray, inside: BoolArray) -> Container:
+    """The container on a `ground` that holds water up to a `level` in the rectangle `inside`, all (rows, columns)."""
+    raster, walls = floor.levels.raster, ground & ~inside
+    return Container(
+        frame=floor.frame,
+        raster=raster,
+        ground=ground,
+        inside=_shrunk(inside, WALL_FOOT_M / raster.cell_m),
+        walls=walls,
+        rim_m=float(np.median(filled[walls & (filled >= level)])),
+    )
 
 
 def _filled(heights: FloatArray) -> FloatArray:

@@ -80,6 +80,10 @@ class Heap:
         walls = [np.empty(0, dtype=np.intp)]
         for piece in self._pieces(np.flatnonzero(rest)):
             own = piece[stands[piece]]
+            if container is not None:
+                in_walls = container.has_in_walls(self.points[own])
+                walls.append(own[in_walls])
+                own = own[~in_walls]
             if self._lies_in(piece, container) and self._is_object(own):
                 objects.append((own, None))
                 continue

@@ -67,23 +67,13 @@ def stops(hands: OpenHands, rest: HeightMap, coarse: HeightMap, gripper: Gripper
     highest, dark = kernels.under_tips(where, fingers, out, rest.heights, _grid(rest))
     long_m = gripper.finger_length_m
     lowest = float(hands.tip.min(initial=np.inf))
-    breadth = breadth_m(gripper, hands.opening, hands.luck)
-    palm = under_palm(hands, breadth[None], coarse, lowest + long_m, gripper)[0] - long_m
+    palm = under_palm(hands, hands.opening[None], coarse, lowest + long_m, gripper)[0] - long_m
     return Stops(np.maximum(highest, palm), dark)
 
 
-def breadth_m(gripper: Gripper, openings: FloatArray, luck: FloatArray | float = 0.5) -> FloatArray:
-    """The hand's size along the closing axis above its fingers (…), metres: the palm's or that of their roots.
-
-    Fingers that turn have knuckles, and how far these stand out is known of the hand that is fully open. At smaller
-    `openings` (…) they may stand out as far, or less by all that the pads have come nearer: halfway in between, or by
-    `luck` (…) more or less.
-    """
-    least = np.maximum(gripper.palm_m, openings + 2 * gripper.root_m)
-    if gripper.kind == "parallel":
-        return least
-    most = max(gripper.palm_m, gripper.max_opening_m + 2 * gripper.root_m)
-    return np.asarray(least + luck * (most - least))
+def breadth_m(gripper: Gripper, openings: FloatArray) -> FloatArray:
+    """The hand's size along the closing axis above its fingers (…), metres: the palm's or that of their roots."""
+    return np.maximum(gripper.palm_m, openings + 2 * gripper.root_m)
 
 
 def palm_room(
@@ -99,14 +89,14 @@ def palm_room(
     lowest = float(grasps.tip.min()) + headroom
     for miss_m in (0.5 * settings.preshape_m, settings.preshape_m):
         beside_m = miss_m + settings.clearance_m
-        (met,) = under_palm(grasps, breadth_m(gripper, grasps.opening)[None], chart, lowest, gripper, beside_m)
+        (met,) = under_palm(grasps, grasps.opening[None], chart, lowest, gripper, beside_m)
         room = np.where(met <= grasps.tip + headroom, miss_m, room)
     return room
 
 
 def under_palm(
     grasps: GraspCandidates | OpenHands,
-    breadths: FloatArray,
+    openings: FloatArray,
     chart: HeightMap,
     least_m: float,
     gripper: Gripper,
@@ -114,12 +104,13 @@ def under_palm(
 ) -> FloatArray:
     """Highest point (m, p) below the hand and `beside_m` around it, metres, if it is higher than `least_m`.
 
-    What is lower is not in its way. Each of p hands is tried with m `breadths` (m, p) above its fingers.
+    What is lower is not in its way. The hand above its fingers is the palm and the fingers' roots, which lie farther
+    out the wider the fingers are open: each of p hands comes with m `openings` (m, p).
     """
     middle = grasps.center
     beside_m += 0.5 * chart.cell_m
     across = 0.5 * gripper.hand_width_m + beside_m
-    along = 0.5 * breadths + beside_m
+    along = 0.5 * breadth_m(gripper, openings) + beside_m
     tall = chart.higher_than(least_m)
     x, y, _ = tall.T
     reach = across + float(along.max())

@@ -15,15 +15,7 @@ from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
-from flatgrasp_cli.surroundings.below import (
-    breadth_m,
-    fingers_meet,
-    palm_meets,
-    palm_room,
-    too_low,
-    under_fingers,
-    under_palm,
-)
+from flatgrasp_cli.surroundings.below import fingers_meet, palm_meets, palm_room, too_low, under_fingers, under_palm
 from flatgrasp_cli.surroundings.maps import NOISE_M, Relief
 from flatgrasp_cli.surroundings.slices import lowest_tip
 from flatgrasp_cli.surroundings.walls import Walls, walls
@@ -70,7 +62,7 @@ def descended(
     lowest = np.maximum(lowest, around.level_m - depth.slice_step_m)  # what lies deeper is for a lower slice
     headroom = gripper.finger_length_m - depth.palm_clearance_m
     openings = grasps.width + 2 * margins
-    palm = under_palm(grasps, breadth_m(gripper, openings), maps.coarse, float(lowest.min()) + headroom, gripper)
+    palm = under_palm(grasps, openings, maps.coarse, float(lowest.min()) + headroom, gripper)
     tips = _tips(below, np.concatenate([palm, palm[:-1]]) - headroom, lowest, held, around)
     widest, choice = _widest(tips[:MARGINS]), _roomiest(tips)
     columns = np.arange(len(grasps))

@@ -21,7 +21,7 @@ def hand(at_mm: tuple[float, float] = (0.0, 0.0), turn_deg: float = 0.0, opening
     """A hand that closes along y, but turned."""
     turn = np.radians(turn_deg)
     axis = np.array([[-np.sin(turn), np.cos(turn)]])
-    return OpenHands(np.array([at_mm]) * MM, axis, np.array([opening_mm * MM]), np.zeros(1), np.zeros(1))
+    return OpenHands(np.array([at_mm]) * MM, axis, np.array([opening_mm * MM]), np.zeros(1))
 
 
 def one(region: shapely.Polygon, hands: OpenHands, tolerance_mm: float = 0.01) -> Closed:
@@ -72,9 +72,7 @@ class TestAnIBeam:
 
     @pytest.mark.parametrize(("miss_mm", "free"), [(0.0, True), (14.9, True), (15.1, False)])
     def test_the_notch_leaves_the_middle_of_the_fingers_15_mm(self, miss_mm: float, free: bool) -> None:
-        across_it = OpenHands(
-            np.array([[0.0, miss_mm]]) * MM, np.array([[1.0, 0.0]]), np.array([50 * MM]), np.zeros(1), np.zeros(1)
-        )
+        across_it = OpenHands(np.array([[0.0, miss_mm]]) * MM, np.array([[1.0, 0.0]]), np.array([50 * MM]), np.zeros(1))
         found = one(I_BEAM, across_it)
         assert (found.free[0], found.between[0]) == (free, True)
 

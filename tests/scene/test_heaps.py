@@ -165,6 +165,12 @@ class TestContainer:
         scene = scene_of(WIDE.sees(TABLE, *walls(0.12), phone, noise_m=1.2 * MM))
         assert_each_is_one(scene, (phone,), 0.9)
 
+    def test_what_is_seen_of_a_wall_right_behind_a_thing_is_the_walls(self) -> None:
+        thing = Box((0.02, 0.14, 0.015), (0.10, 0.06, 0.03), -20)
+        cloud = Camera(tilt_deg=30, distance=0.9).sees(TABLE, *walls(0.12), thing, noise_m=1.2 * MM)
+        (found,) = scene_of(cloud).objects
+        assert np.mean(distance(thing, found.points) > 6 * MM) < 0.005
+
     def test_its_walls_are_solid_down_to_the_floor_outside_too(self) -> None:
         scene = scene_of(WIDE.sees(TABLE, *walls(0.12), *THINGS))
         obstacles = scene.objects[0].obstacles

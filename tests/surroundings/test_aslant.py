@@ -15,7 +15,6 @@ from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.model import ObjectCloud, OrientedBox, SupportPlane
 from flatgrasp_cli.scene import segment
 from flatgrasp_cli.surroundings import Aslant, Direction, Tilted, directions, tilt_deg
-from flatgrasp_cli.surroundings.directions import SAME_DEG
 from tests.conftest import MM, TABLE, Box, Camera
 from tests.scene.test_heaps import distance, walls
 from tests.surroundings.on_a_table import hand_in
@@ -76,7 +75,7 @@ class TestDirections:
 
     def test_no_tilt_is_larger_than_the_largest_that_is_wanted(self) -> None:
         seen = replace(self.ITEM, viewpoint=np.array([0.0, -0.6, 0.8]))
-        found = self.around(seen, max_tilt_deg=35.0)
+        found = self.around(seen, max_tilt_deg=35.0, tilts_deg=(15.0, 30.0, 60.0))
         assert len(found) == 16
         assert max(tilt_deg(each.toward, UP) for each in found) == pytest.approx(30)
 
@@ -100,7 +99,7 @@ class TestInABin:
         found = planned()
         assert found.best is not None, found.reason
         for grasp in found.objects[0].grasps:
-            assert grasp.tilt_deg > SAME_DEG
+            assert grasp.tilt_deg == pytest.approx(15)
             assert axes_from_quaternion(grasp.orientation)[2][0] > 0.1, "it leans away from the wall"
             for back in (0.0, 0.03, 0.06, 0.1):
                 hand = hand_in(grasp, found.gripper, back_m=back)

@@ -12,7 +12,7 @@ from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.model import Grasp, ObjectPlan
 from flatgrasp_cli.planning import plan_object
 from flatgrasp_cli.ranking import TIE
-from flatgrasp_cli.surroundings.below import breadth_m, fingers_meet, under_fingers, under_palm
+from flatgrasp_cli.surroundings.below import fingers_meet, under_fingers, under_palm
 from tests.by_hand import MM, Relief, across, bar, on_table
 from tests.conftest import holds
 
@@ -150,26 +150,8 @@ def test_the_roots_of_open_fingers_meet_what_the_palm_does_not(opening_mm: float
     """Of a hand with a palm 101 mm long, and fingers 37 mm thick at their roots: 80 mm open they reach 77 mm aside."""
     hand = PR2.model_copy(update={"palm_m": 0.101, "finger_root_m": 0.037})
     post = HeightMap.of(np.array([[0.0, 0.065, 0.1], [0.2, 0.2, 0.0], [-0.2, -0.2, 0.0]]), 5 * MM)
-    breadth = breadth_m(hand, np.array([[opening_mm * MM]]), luck=0.0)
-    highest = under_palm(across([0.04])[1], breadth, post, 0.05, hand)
+    highest = under_palm(across([0.04])[1], np.array([[opening_mm * MM]]), post, 0.05, hand)
     assert np.isfinite(highest[0, 0]) == met
-
-
-@pytest.mark.parametrize(
-    ("opening_mm", "luck", "breadth_mm"), [(20, 0, 101), (20, None, 126), (20, 1, 151), (90, 0, 151)]
-)
-def test_knuckles_may_stand_out_as_far_as_those_of_the_fully_open_hand(
-    opening_mm: float, luck: float | None, breadth_mm: float
-) -> None:
-    """A PR2's palm is 101 mm long; its hand, 90 mm open, is 151 mm."""
-    stated = {} if luck is None else {"luck": luck}
-    assert breadth_m(PR2, np.array([opening_mm * MM]), **stated)[0] == pytest.approx(breadth_mm * MM)
-
-
-@pytest.mark.parametrize("luck", [0.0, 1.0])
-def test_fingers_that_slide_have_no_knuckles(luck: float) -> None:
-    hand = PR2.model_copy(update={"kind": "parallel"})
-    assert breadth_m(hand, np.array([0.06]), luck)[0] == pytest.approx(0.121)
 
 
 def test_the_hand_comes_and_goes_by_10_cm() -> None:
