@@ -13,8 +13,8 @@ from flatgrasp_cli.geometry.polygon import in_frames
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates, OpenHands, Silhouette
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import HandSettings, PlannerSettings
-from flatgrasp_cli.surroundings.maps import DOWN
 from flatgrasp_cli.surroundings.below import Stops, breadth_m
+from flatgrasp_cli.surroundings.maps import DOWN
 
 
 @dataclass(frozen=True, slots=True)

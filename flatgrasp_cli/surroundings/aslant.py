@@ -44,7 +44,7 @@ class Aslant(OnSupport):
     def down(self) -> FloatArray:
         """Which way things fall: against the normal of the floor that they stand on."""
         normal = self.view.frame.axes[2]
-        return -normal if self.view.asked is None else -self.view.asked.axes @ normal
+        return np.asarray(-normal if self.view.asked is None else -self.view.asked.axes @ normal)
 
     def approached(
         self,
