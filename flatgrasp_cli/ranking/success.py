@@ -136,7 +136,8 @@ class Situation:
     def _load(self, grasps: GraspCandidates, center: FloatArray, axis: FloatArray) -> Load:
         """What k grasps, by hands with the centres and axes (k, s, 2), have to bear.
 
-        The weight pulls along `down`. To a hand that comes aslant the object's middle may lie beside the contacts by being deeper.
+        The weight pulls along `down`: to a hand that comes aslant the object's middle may lie beside the contacts by
+        being deeper.
         """
         errors, known, down = self.errors, self.settings.caging.mass_kg, self.surroundings.down
         *flat, deep = self.shape.box.size.tolist()

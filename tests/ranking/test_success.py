@@ -110,7 +110,7 @@ class TestByHand:
     @pytest.mark.parametrize(
         ("fall", "held"), [((0.0, 0.0, -1.0), 1.0), ((1.0, 0.0, 0.0), 0.9), ((0.0, 1.0, 0.0), 1.0)]
     )
-    def test_for_a_hand_along_the_table_a_deep_object_turns(self, fall: tuple[float, float, float], held: float) -> None:
+    def test_a_deep_object_turns_in_a_hand_along_the_table(self, fall: tuple[float, float, float], held: float) -> None:
         """Its middle is 18 cm deeper than the contacts: beside them if it falls across the closing axis, not along."""
         deep = Situation(shape_of(BAR, 0.4), Around(fall=fall), HAND, unsure("density_kg_m3=[400,401]"))
         assert chance(deep, grasp(40, 60)) == pytest.approx(held)
