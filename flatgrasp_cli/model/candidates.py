@@ -78,8 +78,9 @@ class GraspCandidates:
     the height at which both sides were seen, that of the contacts. Of an object seen alone grip and unseen are not
     known: NaN.
 
-    `hidden` (p, 2) is how far the object probably goes on behind each pad's side, out of sight, and `lean` (p,) the
-    tangent of the angle by which both walls together lean away from upright, half and half.
+    `hidden` (p, 2) is how far the object probably goes on behind each pad's side, out of sight, and `lean` (p, h) the
+    tangents of the angles by which both walls together lean away from upright, half and half: for fingertips where they
+    should end, and for such that end higher by equal shares of the grip.
 
     C: `gravity_distance`, and the `inside_share` of the grasping line that lies in the object.
 

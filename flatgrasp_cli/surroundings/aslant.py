@@ -40,6 +40,12 @@ class Aslant(OnSupport):
 
     own: HeightMap = field(kw_only=True)
 
+    @property
+    def down(self) -> FloatArray:
+        """Which way things fall: against the normal of the floor that they stand on."""
+        normal = self.view.frame.axes[2]
+        return np.asarray(-normal if self.view.asked is None else -self.view.asked.axes @ normal)
+
     def approached(
         self,
         silhouette: Silhouette,

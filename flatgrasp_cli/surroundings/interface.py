@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Protocol
 
 from flatgrasp_cli.funnel import Funnel
+from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates, OpenHands, Silhouette
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.surroundings.below import Stops
@@ -23,6 +24,10 @@ class Surroundings(Protocol):
     @property
     def lowest_m(self) -> float:
         """The height at which fingertips may end."""
+
+    @property
+    def down(self) -> FloatArray:
+        """Which way things fall: a unit vector (3,)."""
 
     def sides(self, fingers: FingerCandidates, funnel: Funnel, /) -> FingerCandidates:
         """The candidates at which a finger can stand, with what is hidden of the object there."""

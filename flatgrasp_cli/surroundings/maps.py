@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.surroundings.envelope import Envelope
@@ -13,6 +14,8 @@ from flatgrasp_cli.surroundings.view import View
 
 NOISE_M = 0.001
 """Heights that differ by less, metres, are the same: a height map's noise."""
+
+DOWN = np.array([0.0, 0.0, -1.0])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,6 +49,11 @@ class Relief:
     view: View
     settings: PlannerSettings
     height_m: float = np.inf
+
+    @property
+    def down(self) -> FloatArray:
+        """Which way things fall: a unit vector (3,)."""
+        return DOWN
 
     @property
     def envelope(self) -> Envelope:

@@ -28,20 +28,21 @@ class Walls(NamedTuple):
 
     `top` is the median over the places along the pad, `boundary` the mean of what was seen at the boundary, and `flank`
     how much of the wall's height is only a flank. `profile` (distances, m) are the heights at `INWARD_M`, the median
-    along the pad.
+    along the pad, and `crests` the same of the highest points.
     """
 
     top: FloatArray
     boundary: FloatArray
     flank: FloatArray
     profile: FloatArray
+    crests: FloatArray
 
-    def recess(self, rows: IntArray, levels: FloatArray) -> FloatArray:
+    def recess(self, rows: IntArray, levels: FloatArray, *, of_crests: bool = False) -> FloatArray:
         """How far (p,) inward from the boundary the walls of the candidates `rows` (p,) come up to `levels` (p,).
 
         Metres, from the first place that heights are known at; those that never do begin behind the last.
         """
-        profile = self.profile[:, rows]
+        profile = (self.crests if of_crests else self.profile)[:, rows]
         above = np.where((profile >= levels).any(axis=0), (profile >= levels).argmax(axis=0), len(INWARD_M) - 1)
         below, columns = np.maximum(above - 1, 0), np.arange(len(rows))
         low, high = profile[below, columns], profile[above, columns]
@@ -89,5 +90,7 @@ def walls(fingers: FingerCandidates, surface: HeightMap, highest: HeightMap, lev
     counts, totals = known.sum(axis=1), np.where(known, highest.over(*places), 0.0).sum(axis=1)
     _, slope = fitted_lines(INWARD_M, np.where(counts > 0, totals / np.maximum(counts, 1), np.nan).T)
     flank = (slope > LEAST_SLOPE) & (slope < 1 / friction)
-    profile = np.sort(np.where(known, heights, 0.0), axis=1)[:, len(ALONG_PAD) // 2]
-    return Walls(top, boundary, np.where(flank, slope * INWARD_M[WALL_PLACES - 1], 0.0), profile)
+    profile, crests = (
+        np.sort(np.where(known, each, 0.0), axis=1)[:, len(ALONG_PAD) // 2] for each in (heights, highest.over(*places))
+    )
+    return Walls(top, boundary, np.where(flank, slope * INWARD_M[WALL_PLACES - 1], 0.0), profile, crests)

@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 
 from flatgrasp_cli import load_gripper, load_settings
+from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import GraspCandidates, GravityCenter, OpenHands, OrientedBox, PlaneShape, Silhouette
 from flatgrasp_cli.profiles import Gripper, PlannerSettings
 from flatgrasp_cli.ranking import Situation
@@ -39,6 +40,11 @@ class Around:
     dark: float = 0.0
     level_m: float | None = None
     lowest_m: float = 0.0
+    fall: tuple[float, float, float] = (0.0, 0.0, -1.0)
+
+    @property
+    def down(self) -> FloatArray:
+        return np.array(self.fall)
 
     def stopped(self, hands: OpenHands, _gripper: Gripper, /) -> Stops:
         return Stops(np.full(len(hands), self.height_m), np.full(len(hands), self.dark))
@@ -80,6 +86,7 @@ def grasp(width_mm: float, opening_mm: float, **columns: Any) -> GraspCandidates
         "gravity_distance": 0.0,
     }
     table = {name: np.atleast_1d(value) for name, value in {**one, **columns}.items()}
+    table["lean"] = np.atleast_2d(table["lean"])
     return across([width_mm * MM], **table)[1]
 
 

@@ -49,7 +49,7 @@ def test_what_could_not_win_is_only_estimated() -> None:
     )
     grasps = grasps.having(
         middle=places,
-        lean=np.zeros(100),
+        lean=np.zeros((100, 1)),
         hidden=np.zeros((100, 2)),
         unseen=np.zeros(100),
         gravity_distance=np.abs(places[:, 0]),
@@ -104,4 +104,4 @@ class TestWhoSaysHowMuchIsOff:
             chances.append(found.success.probability)
         assert chances == sorted(chances, reverse=True)
         assert chances[0] > 0.99
-        assert chances[2] < 0.9
+        assert chances[2] < 0.95

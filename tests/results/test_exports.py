@@ -111,6 +111,20 @@ def test_moveit_gives_the_fingertips_poses_back(name: str) -> None:
         assert np.array(grasp.pose.position) + way == pytest.approx(np.array(grasp.lift.position), abs=EXACT)
 
 
+def test_moveit_goes_back_as_it_came_from_aslant() -> None:
+    """The document lifts it back and then up; of the way straight there nothing is known."""
+    document = saved()
+    straight = document.objects[0].grasps[0]
+    tips, before = np.array(straight.pose.position), np.array(straight.pre_grasp.position)
+    aslant = before + np.linalg.norm(before - tips) * Rotation.from_quat(straight.pose.orientation).as_matrix()[:, 0]
+    lift = straight.lift.model_copy(update={"position": tuple(aslant.tolist())})
+    item = document.objects[0].model_copy(update={"grasps": [straight.model_copy(update={"lift": lift})]})
+    (message,) = yaml.safe_load(exported("moveit", [document.model_copy(update={"objects": [item]})]))
+    retreat = message["post_grasp_retreat"]
+    way = retreat["desired_distance"] * np.array([retreat["direction"]["vector"][axis] for axis in "xyz"])
+    assert tips + way == pytest.approx(before, abs=EXACT)
+
+
 def test_moveit_has_the_flange_turned_as_the_joint_angles_have_it() -> None:
     document = saved()
     straight = document.objects[0].grasps[0]

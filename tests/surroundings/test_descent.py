@@ -63,6 +63,26 @@ class TestTips:
         assert bool(bar_of((100, 40, 10), beside(1, step_mm)).grasps) == held
 
 
+class TestTooHigh:
+    """Fingertips that end some millimetres higher than they should."""
+
+    @staticmethod
+    def lost_by(height_mm: Relief) -> float:
+        """How much less probably a bar with that top is held if heights are off by 3 mm and nothing else is."""
+        outline = bar(0.1, 0.028, 1.0)
+        cloud = on_table(lambda x, y: outline(x, y) * height_mm(x / MM, y / MM) * MM, pitch_m=0.5 * MM)
+        chances = []
+        for height_m in (0.0, 0.003):
+            figures = ("position_m=0", "yaw_deg=0", "outline_m=0.0001", f"height_m={height_m}")
+            asked = ("caging.certify=false", "approach.directions=top", *(f"uncertainty.{each}" for each in figures))
+            chances.append(holds(best(plan_object(cloud, PR2, load_settings("default", asked).resolve(PR2)))))
+        return chances[0] - chances[1]
+
+    def test_slip_off_what_is_rounded_and_not_off_what_is_upright(self) -> None:
+        assert self.lost_by(lambda _x, y: 14 + 0 * y) < 0.01
+        assert self.lost_by(lambda _x, y: 7 + np.sqrt(np.maximum(49 - y**2 / 4, 0))) > 0.025
+
+
 class TestOpening:
     """Openings leave 20, 14, 8 or 2 mm beside each pad; a finger is 9 mm thick."""
 

@@ -1,7 +1,9 @@
 """A list of moveit_msgs/Grasp in YAML, with the names of fields that ROS 2 gives them.
 
 `grasp_pose` is that of the end effector's parent link, the arm's flange. The hand approaches along the flange's z axis
-and retreats the way of the lift.
+and retreats the way of the lift. The message has place for one straight way: a hand that came aslant, which is lifted
+back first and then up, goes back as it came. Only of that way is it known that nothing is in it; up from there is for
+the next motion, which MoveIt plans itself.
 """
 
 from __future__ import annotations
@@ -20,6 +22,8 @@ from flatgrasp_cli.results.saved import SavedDocument, SavedGrasp
 FORMAT = "moveit"
 FLANGE = "tool0"
 """What ROS-Industrial's arms call the flange."""
+ROUNDED = 1e-6
+"""Of the sine between two directions in a document: what rounding its numbers does."""
 NO_LIMIT_N = 0.0
 """Of `max_contact_force`, which MoveIt takes for none."""
 
@@ -46,6 +50,8 @@ def _message(grasp: SavedGrasp, gripper: Gripper, header: dict[str, Any], name: 
     flange = flange_of(grasp, gripper)
     tips, before, after = (np.array(pose.position) for pose in (grasp.pose, grasp.pre_grasp, grasp.lift))
     length_m, grip_m = float(np.linalg.norm(tips - before)), grasp.metrics.get("grip_m") or 0.0
+    straight = np.allclose(np.cross(_direction(before - tips), _direction(after - tips)), 0.0, atol=ROUNDED)
+    away = (after if straight else before) - tips
     along_z = {"header": _header(None, FLANGE), "vector": _xyz(np.array([0.0, 0.0, 1.0]))}
     return {
         "id": name,
@@ -62,7 +68,7 @@ def _message(grasp: SavedGrasp, gripper: Gripper, header: dict[str, Any], name: 
         # straight at least while the fingers go down beside the object; MoveIt wants less than all of the way
         "pre_grasp_approach": _translation(along_z, length_m, grip_m if grip_m < length_m else 0.0),
         "post_grasp_retreat": _translation(
-            {"header": header, "vector": _xyz(_direction(after - tips))}, float(np.linalg.norm(after - tips)), 0.0
+            {"header": header, "vector": _xyz(_direction(away))}, float(np.linalg.norm(away)), 0.0
         ),
         "post_place_retreat": _translation(
             {"header": _header(None, FLANGE), "vector": _xyz(np.array([0.0, 0.0, -1.0]))}, length_m, 0.0
