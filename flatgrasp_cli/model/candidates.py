@@ -112,6 +112,7 @@ class GraspCandidates:
     touch: FloatArray = field(default_factory=_unfilled)
     hidden: FloatArray = field(default_factory=_unfilled)
     lean: FloatArray = field(default_factory=_unfilled)
+    askew: FloatArray = field(default_factory=_unfilled)
     gravity_distance: FloatArray = field(default_factory=_unfilled)
     inside_share: FloatArray = field(default_factory=_unfilled)
     merit: FloatArray = field(default_factory=_unfilled)

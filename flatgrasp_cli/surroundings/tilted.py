@@ -109,7 +109,8 @@ class Tilted:
         if isinstance(around, Aslant):
             depth = self.settings.depth.model_copy(update={"slice_step_m": SPARSER * self.settings.depth.slice_step_m})
             for piece in slices(local, around.maps.rest.cell_m, depth)[1:]:
-                yield above(whole, around, local, piece)
+                if piece.rows[0] < len(self.cloud.points):  # else it is all body, and fingers close on what was seen
+                    yield above(whole, around, local, piece)
 
     def whole(self, toward: FloatArray, gripper: Gripper) -> Place | None:
         """The whole of the object for a hand that comes against `toward` (3,); None where `places` has none."""
