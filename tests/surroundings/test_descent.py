@@ -84,7 +84,7 @@ class TestTooHigh:
 
 
 def test_a_rim_over_a_hollow_may_be_all_that_one_pad_finds() -> None:
-    """A plate's: 26 mm high outside, where what is below was not seen, and 10 mm inside. It may slip, a bar does not."""
+    """Of a plate: 26 mm high outside, below which nothing was seen, and 10 mm inside. It may slip, a bar does not."""
     chances = []
     for fall_mm in (0.0, 16.0):
         cloud = on_table(lambda x, y: bar(0.1, 0.04, 1.0)(x, y) * MM * (26 - (y > 0.01) * fall_mm))  # noqa: B023
