@@ -63,6 +63,14 @@ class TestTips:
         assert bool(bar_of((100, 40, 10), beside(1, step_mm)).grasps) == held
 
 
+def test_a_piece_whose_foot_was_not_seen_is_had_where_the_largest_is_too_wide() -> None:
+    """As a handle behind a bowl: beside a block 12 cm wide, 1 cm of nothing away, a bar 2 cm wide."""
+    block, beside_it = bar(0.12, 0.12, 0.04), bar(0.06, 0.02, 0.012)
+    item = plan_object(on_table(lambda x, y: np.maximum(block(x, y), beside_it(x - 0.1, y))), PR2, SETTINGS)
+    assert abs(best(item).position[0] - 0.1) < 0.03
+    assert best(item).width_m == pytest.approx(0.02, abs=2 * MM)
+
+
 class TestTooHigh:
     """Fingertips that end some millimetres higher than they should."""
 
