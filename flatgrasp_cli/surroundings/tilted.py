@@ -22,7 +22,7 @@ from flatgrasp_cli.geometry.spacing import spacing
 from flatgrasp_cli.model import Floor, ObjectCloud
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
-from flatgrasp_cli.surroundings.aslant import SURELY_BEHIND_M, Aslant
+from flatgrasp_cli.surroundings.aslant import Aslant, surely_behind_m
 from flatgrasp_cli.surroundings.maps import HeightMaps
 from flatgrasp_cli.surroundings.places import (
     FINGERS_M,
@@ -92,7 +92,7 @@ class Tilted:
         levels = np.arange(0.0, float(tops[:, 2].max()), cell_m)
         place, level = true_entries(levels < tops[:, 2:])
         body = np.column_stack([tops[place, :2], levels[level]])
-        hidden = self._view.hides(np.ascontiguousarray(body.T), SURELY_BEHIND_M)
+        hidden = self._view.hides(np.ascontiguousarray(body.T), surely_behind_m(self.settings))
         return frame.to_world(body[hidden])
 
     def places(self, toward: FloatArray, gripper: Gripper) -> Iterator[Place]:

@@ -179,6 +179,16 @@ class TestBody:
         assert far[:, 2].min() < 10 * MM
         assert distance(self.BOX, place.points).max() < 4 * MM
 
+    def test_its_slices_are_twice_as_far_apart_as_from_straight_above(self) -> None:
+        """Hands along the table find it 6 cm deep."""
+        levels = [
+            place.surroundings.level_m
+            for place in self.tilted().places(np.array([0.0, -1.0, 0.0]), load_gripper("pr2"))
+            if place.surroundings.level_m is not None
+        ]
+        assert len(levels) > 1
+        assert np.unique(np.diff(levels).round(6)) == pytest.approx([2 * SETTINGS.depth.slice_step_m])
+
     def test_half_of_its_height_is_what_pads_must_hold_at_most(self) -> None:
         place = self.tilted().whole(UP, load_gripper("pr2"))
         assert place is not None
