@@ -14,7 +14,6 @@ from flatgrasp_cli.model import FingerCandidates, GraspCandidates, OpenHands, Si
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import HandSettings, PlannerSettings
 from flatgrasp_cli.surroundings.below import Stops, breadth_m
-from flatgrasp_cli.surroundings.maps import DOWN
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +35,7 @@ class Alone:
     @property
     def down(self) -> FloatArray:
         """Which way things fall (3,): as if it lay on a table, its main plane level."""
-        return DOWN
+        return np.array([0.0, 0.0, -1.0])
 
     def sides(self, fingers: FingerCandidates, _funnel: Funnel, /) -> FingerCandidates:
         """All of the candidates: there is nothing for a finger to meet."""
