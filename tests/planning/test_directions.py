@@ -66,6 +66,17 @@ class TestEnough:
         assert best.success.probability >= enough.success.probability - 0.01  # type: ignore[union-attr]
 
 
+@pytest.mark.parametrize(("friction", "doubtful"), [(0.5, False), (0.05, True)])
+def test_a_best_grasp_that_is_not_enough_comes_with_a_warning(friction: float, doubtful: bool) -> None:
+    """On pads as slippery as ice the can is more likely lost than held."""
+    settings = load_settings("default", (f"balance.friction={friction}", "approach.directions=top"))
+    found = plan(KINECT.sees(TABLE, LYING_CAN), load_gripper("pr2"), settings)
+    assert found.best is not None
+    assert found.best.success is not None
+    assert (found.best.success.probability < settings.approach.enough) == doubtful
+    assert ("doubtful_grasp" in {warning.code for warning in found.warnings}) == doubtful
+
+
 def test_a_direction_that_the_arm_cannot_serve_falls_out() -> None:
     """At the robot's own base no hand comes straight down; from aslant it gets there."""
     at_base, near = Box((0.02, 0.0, 0.02), (0.1, 0.04, 0.04)), Camera(target=(0.02, 0.0, 0.0))
