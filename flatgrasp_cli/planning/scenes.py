@@ -47,7 +47,7 @@ class Plan:
     @property
     def warnings(self) -> tuple[CloudWarning, ...]:
         """What had to be assumed and can change the answer."""
-        return tuple(dict.fromkeys((*self.cloud.warnings, *self.scene.warnings)))
+        return tuple(dict.fromkeys((*self.cloud.warnings, *self.scene.warnings, *_doubtful(self.best, self.settings))))
 
     @property
     def reason(self) -> str | None:
@@ -119,6 +119,19 @@ def _planned(
             found = plan_object(whole, gripper, settings, top, robot)
             plans = [*(item for item in plans if item not in parts), found] if found.grasps else plans
     return plans
+
+
+def _doubtful(best: Grasp | None, settings: PlannerSettings) -> tuple[CloudWarning, ...]:
+    """The warning that what comes first is no good grasp, but the best of all sides."""
+    if best is None or best.success is None or settings.ranking.prefer != "success":
+        return ()
+    if best.success.probability >= settings.approach.enough:
+        return ()
+    text = (
+        "the best grasp holds with a probability of less than approach.enough, whatever side it comes from: "
+        "its success.causes say why, and a view from another side may show a better one"
+    )
+    return (CloudWarning("doubtful_grasp", text),)
 
 
 def _table_tilted(support: SupportPlane | None) -> tuple[CloudWarning, ...]:

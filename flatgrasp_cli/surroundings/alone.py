@@ -14,7 +14,6 @@ from flatgrasp_cli.model import FingerCandidates, GraspCandidates, OpenHands, Si
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import HandSettings, PlannerSettings
 from flatgrasp_cli.surroundings.below import Stops, breadth_m
-from flatgrasp_cli.surroundings.maps import DOWN
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +35,7 @@ class Alone:
     @property
     def down(self) -> FloatArray:
         """Which way things fall (3,): as if it lay on a table, its main plane level."""
-        return DOWN
+        return np.array([0.0, 0.0, -1.0])
 
     def sides(self, fingers: FingerCandidates, _funnel: Funnel, /) -> FingerCandidates:
         """All of the candidates: there is nothing for a finger to meet."""
@@ -64,7 +63,9 @@ class Alone:
         grasps = grasps.select(kept)
         level, unknown = np.zeros(len(grasps)), np.full(len(grasps), np.nan)
         margin = 0.5 * (grasps.opening - grasps.width)
-        return grasps.having(tip=level, grip=unknown, margin=margin, unseen=unknown, touch=level, lean=level[:, None])
+        return grasps.having(
+            tip=level, grip=unknown, margin=margin, unseen=unknown, touch=level, lean=level[:, None], askew=level
+        )
 
     def stopped(self, hands: OpenHands, _gripper: Gripper, /) -> Stops:
         """Nothing: the way to an object alone is free, and all of it was seen."""

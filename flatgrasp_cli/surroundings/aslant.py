@@ -18,20 +18,10 @@ from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.geometry.polygon import left_normal
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates, OpenHands, Silhouette
 from flatgrasp_cli.profiles.gripper import Gripper
+from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.surroundings.below import Stops, breadth_m
 from flatgrasp_cli.surroundings.on_support import OnSupport
 from flatgrasp_cli.surroundings.walls import ALONG_PAD, INWARD_M, WALL_PLACES, pad_places
-
-ALONG_FINGER, BESIDE_M = (0.03, 0.12, 0.3, 0.7), 0.004
-"""Where a finger's space is looked into, in shares of its length from its tip, and how near to the object, metres."""
-SURELY_BEHIND_M = 0.003
-"""How far behind a surface space must lie to be hidden by it, metres: twice what a sensor's noise is."""
-ACROSS_PALM = (-1.0, -0.5, 0.0, 0.5, 1.0)
-"""Where the palm's is, in halves of its size along the closing axis."""
-DISCS = 5
-"""Discs as wide as the palm that its room is told by: on one 15 cm × 5 cm they overlap by half."""
-ON_THE_WAY = (0.05, 0.5, 1.0)
-"""And how far back on the hand's way, in shares of it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -96,7 +86,7 @@ class Aslant(OnSupport):
         radius = 0.5 * min(gripper.hand_width_m, gripper.palm_m)
         farthest = 0.5 * gripper.palm_m - radius
         has_room = np.ones(len(grasps), dtype=np.bool_)
-        for along in np.linspace(-farthest, farthest, DISCS):
+        for along in _steps(-farthest, farthest, radius):  # so they overlap by half
             x, y = (grasps.center + along * grasps.axis).T
             has_room &= room_m.take(coarse.raster.cells(x, y)) >= radius
         return has_room
@@ -108,7 +98,7 @@ class Aslant(OnSupport):
             return found
         out = (0.5 * (hands.opening + gripper.finger_thickness_m))[:, None] * hands.axis
         ends = np.stack([np.column_stack([hands.center + sign * out, hands.tip]) for sign in (-1.0, 1.0)])
-        hidden = self.view.hides(np.ascontiguousarray(ends.reshape(-1, 3).T), SURELY_BEHIND_M)
+        hidden = self._hides(ends)
         return found._replace(dark=hidden.reshape(2, -1).mean(axis=0))
 
     def _hidden(self, grasps: GraspCandidates, gripper: Gripper) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -118,37 +108,48 @@ class Aslant(OnSupport):
         for a hand from straight above.
         """
         places = self._in_fingers(grasps, gripper)
-        columns = np.ascontiguousarray(places.reshape(-1, 3).T)
-        hidden = self.view.hides(columns, SURELY_BEHIND_M)
-        behind = hidden & self.view.shadowed(columns)
-        palm = self._in_palm(grasps, gripper)
-        in_palm = self.view.hides(np.ascontiguousarray(palm.reshape(-1, 3).T), SURELY_BEHIND_M)
+        hidden, in_palm = self._hides(places), self._hides(self._in_palm(grasps, gripper))
+        behind = hidden & self.view.shadowed(np.ascontiguousarray(places.reshape(-1, 3).T))
         one, two, three = (each.reshape(-1, len(grasps)).mean(axis=0) for each in (hidden, behind, in_palm))
         return one, two, three
 
+    def _hides(self, places: FloatArray) -> BoolArray:
+        """Which places (…, 3), one after the other, surely lie behind what their rays met."""
+        return self.view.hides(np.ascontiguousarray(places.reshape(-1, 3).T), surely_behind_m(self.settings))
+
     def _in_fingers(self, grasps: GraspCandidates, gripper: Gripper) -> FloatArray:
-        """Places (k, p, 3) in the open fingers, and where they close."""
-        across = left_normal(grasps.axis)
-        near = 0.5 * grasps.width + BESIDE_M
-        far = 0.5 * grasps.opening + 0.5 * gripper.finger_thickness_m
+        """Places (k, p, 3) in the middle of the open fingers, where they close, and halfway: a thickness apart."""
+        across, half = left_normal(grasps.axis), 0.5 * gripper.finger_thickness_m
+        near, far = 0.5 * grasps.width + half, 0.5 * grasps.opening + half
+        along = _steps(half, gripper.finger_length_m - half, gripper.finger_thickness_m)
         places = []
         for sign, offsets in zip((-1.0, 1.0), gripper.jaws, strict=True):
             for offset in offsets:
                 for out in (near, 0.5 * (near + far), far):
                     flat = grasps.center + sign * out[:, None] * grasps.axis - offset * across
-                    heights = [grasps.tip + share * gripper.finger_length_m for share in ALONG_FINGER]
-                    places += [np.column_stack([flat, height]) for height in heights]
+                    places += [np.column_stack([flat, grasps.tip + height]) for height in along]
         return np.stack(places)
 
     def _in_palm(self, grasps: GraspCandidates, gripper: Gripper) -> FloatArray:
-        """Places (k, p, 3) at the palm's rim, at the grasp and before it."""
-        half = 0.5 * breadth_m(gripper, grasps.opening)
+        """Places (k, p, 3) at the palm's rim, at the grasp and before it, half of its lesser width apart."""
+        half, apart_m = 0.5 * breadth_m(gripper, grasps.opening), 0.5 * gripper.hand_width_m
         across = 0.5 * gripper.hand_width_m * left_normal(grasps.axis)
         base = grasps.tip + gripper.finger_length_m
         places = []
-        for y in ACROSS_PALM:
-            middle = grasps.center + y * half[:, None] * grasps.axis
+        before = _steps(0.0, self.settings.depth.approach_m, apart_m)
+        for share in _steps(-1.0, 1.0, apart_m / max(float(half.max(initial=0.0)), apart_m)):
+            middle = grasps.center + share * half[:, None] * grasps.axis
             for flat in (middle - across, middle + across):
-                heights = [base + share * self.settings.depth.approach_m for share in ON_THE_WAY]
-                places += [np.column_stack([flat, height]) for height in heights]
+                places += [np.column_stack([flat, base + height]) for height in before]
         return np.stack(places)
+
+
+def surely_behind_m(settings: PlannerSettings) -> float:
+    """How far behind a surface space must lie to be hidden by it, metres: three standard deviations of where it is."""
+    return 3 * settings.uncertainty.figures.outline_m
+
+
+def _steps(first: float, last: float, apart: float) -> list[float]:
+    """Evenly spaced numbers from the `first` to the `last`, no more than so far apart."""
+    count = int(np.ceil((last - first) / apart - 1e-9)) if last > first else 0
+    return list(np.linspace(first, last, count + 1).tolist())

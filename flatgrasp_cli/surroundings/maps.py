@@ -15,8 +15,6 @@ from flatgrasp_cli.surroundings.view import View
 NOISE_M = 0.001
 """Heights that differ by less, metres, are the same: a height map's noise."""
 
-DOWN = np.array([0.0, 0.0, -1.0])
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class HeightMaps:
@@ -53,7 +51,7 @@ class Relief:
     @property
     def down(self) -> FloatArray:
         """Which way things fall: a unit vector (3,)."""
-        return DOWN
+        return np.array([0.0, 0.0, -1.0])
 
     @property
     def envelope(self) -> Envelope:

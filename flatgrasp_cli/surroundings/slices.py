@@ -48,7 +48,11 @@ def lowest_tip(tops: FloatArray | float, settings: DepthSettings) -> FloatArray:
 
 
 def slices(local: FloatArray, cell_m: float, settings: DepthSettings) -> list[Slice]:
-    """The whole object, and the parts of it that stand out; z of `local` (n, 3) is the height over the plane."""
+    """The whole object, its pieces if there are several, and the parts of it that stand out.
+
+    Z of `local` (n, 3) is the height over the plane. Pieces lie apart where what joins them was hidden, as a handle's
+    foot behind a bowl; a silhouette is that of the largest.
+    """
     top = top_of(local[:, 2])
     lowest = float(lowest_tip(top, settings))
     found = [Slice(lowest, np.arange(len(local)))]
@@ -57,11 +61,15 @@ def slices(local: FloatArray, cell_m: float, settings: DepthSettings) -> list[Sl
     # for each cell: how many cells the last slice that it was in has, and how many slices had about so many
     below = np.full(chart.heights.shape, np.count_nonzero(np.isfinite(chart.heights)))
     taken = np.full(chart.heights.shape, MOST_ALIKE)
-    for level in np.arange(lowest + settings.slice_step_m, top - settings.min_grip_m, settings.slice_step_m):
+    levels = np.arange(lowest + settings.slice_step_m, top - settings.min_grip_m, settings.slice_step_m)
+    for level in (-np.inf, *levels):
         _, labels, boxes, _ = cv2.connectedComponentsWithStats((chart.heights > level).view(np.uint8), connectivity=8)
         piece = np.where(local[:, 2] > level, labels.ravel()[cell_of], 0)
         points = np.bincount(piece, minlength=len(boxes))
-        for name in (1 + np.flatnonzero(points[1:] >= MIN_POINTS)).tolist():
+        pieces = 1 + np.flatnonzero(points[1:] >= MIN_POINTS)
+        if level < lowest and len(pieces) < 2:
+            continue  # the whole, in one piece
+        for name in pieces.tolist():
             left, upper, width, height, footprint = boxes[name].tolist()
             box = slice(upper, upper + height), slice(left, left + width)
             part = labels[box] == name
@@ -70,5 +78,5 @@ def slices(local: FloatArray, cell_m: float, settings: DepthSettings) -> list[Sl
                 continue
             taken[box][part] = taken[box][part] + 1 if alike else 1
             below[box][part] = footprint
-            found.append(Slice(float(level), np.flatnonzero(piece == name)))
+            found.append(Slice(max(float(level), lowest), np.flatnonzero(piece == name)))
     return found

@@ -22,7 +22,7 @@ from flatgrasp_cli.geometry.spacing import spacing
 from flatgrasp_cli.model import Floor, ObjectCloud
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
-from flatgrasp_cli.surroundings.aslant import SURELY_BEHIND_M, Aslant
+from flatgrasp_cli.surroundings.aslant import Aslant, surely_behind_m
 from flatgrasp_cli.surroundings.maps import HeightMaps
 from flatgrasp_cli.surroundings.places import (
     FINGERS_M,
@@ -92,7 +92,7 @@ class Tilted:
         levels = np.arange(0.0, float(tops[:, 2].max()), cell_m)
         place, level = true_entries(levels < tops[:, 2:])
         body = np.column_stack([tops[place, :2], levels[level]])
-        hidden = self._view.hides(np.ascontiguousarray(body.T), SURELY_BEHIND_M)
+        hidden = self._view.hides(np.ascontiguousarray(body.T), surely_behind_m(self.settings))
         return frame.to_world(body[hidden])
 
     def places(self, toward: FloatArray, gripper: Gripper) -> Iterator[Place]:
@@ -109,7 +109,8 @@ class Tilted:
         if isinstance(around, Aslant):
             depth = self.settings.depth.model_copy(update={"slice_step_m": SPARSER * self.settings.depth.slice_step_m})
             for piece in slices(local, around.maps.rest.cell_m, depth)[1:]:
-                yield above(whole, around, local, piece)
+                if piece.rows[0] < len(self.cloud.points):  # else it is all body, and fingers close on what was seen
+                    yield above(whole, around, local, piece)
 
     def whole(self, toward: FloatArray, gripper: Gripper) -> Place | None:
         """The whole of the object for a hand that comes against `toward` (3,); None where `places` has none."""

@@ -15,7 +15,7 @@ from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.model import ObjectCloud, OrientedBox, SupportPlane
 from flatgrasp_cli.scene import segment
 from flatgrasp_cli.surroundings import Aslant, Direction, Tilted, directions, tilt_deg
-from tests.conftest import MM, TABLE, Box, Camera
+from tests.conftest import MM, TABLE, Box, Camera, Tube
 from tests.scene.test_heaps import distance, walls
 from tests.surroundings.on_a_table import hand_in
 
@@ -177,6 +177,17 @@ class TestBody:
         far = place.points[place.points[:, 1] > 0.025]
         assert far[:, 2].min() < 10 * MM
         assert distance(self.BOX, place.points).max() < 4 * MM
+
+    def test_slices_are_twice_as_far_apart_as_from_straight_above(self) -> None:
+        """Hands along the table find a can 12 cm wide that deep, and narrower the nearer they are."""
+        can = Tube((0.0, 0.0, 0.04), 0.06, 0.08)
+        item = segment(self.CAMERA.sees(TABLE, can), SETTINGS.scene, 0).objects[0]
+        assert item.floor is not None
+        tilted = Tilted(item, item.floor, SETTINGS.resolve(load_gripper("pr2")))
+        found = tilted.places(np.array([0.0, -1.0, 0.0]), load_gripper("pr2"))
+        levels = [place.surroundings.level_m or 0.0 for place in found]
+        assert len(levels) > 2
+        assert np.diff(np.unique(levels)).min() == pytest.approx(2 * SETTINGS.depth.slice_step_m)
 
     def test_half_of_its_height_is_what_pads_must_hold_at_most(self) -> None:
         place = self.tilted().whole(UP, load_gripper("pr2"))

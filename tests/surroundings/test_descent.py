@@ -63,6 +63,14 @@ class TestTips:
         assert bool(bar_of((100, 40, 10), beside(1, step_mm)).grasps) == held
 
 
+def test_a_piece_whose_foot_was_not_seen_is_had_where_the_largest_is_too_wide() -> None:
+    """As a handle behind a bowl: beside a block 12 cm wide, 1 cm of nothing away, a bar 2 cm wide."""
+    block, beside_it = bar(0.12, 0.12, 0.04), bar(0.06, 0.02, 0.012)
+    item = plan_object(on_table(lambda x, y: np.maximum(block(x, y), beside_it(x - 0.1, y))), PR2, SETTINGS)
+    assert abs(best(item).position[0] - 0.1) < 0.03
+    assert best(item).width_m == pytest.approx(0.02, abs=2 * MM)
+
+
 class TestTooHigh:
     """Fingertips that end some millimetres higher than they should."""
 
@@ -81,6 +89,16 @@ class TestTooHigh:
     def test_slip_off_what_is_rounded_and_not_off_what_is_upright(self) -> None:
         assert self.lost_by(lambda _x, y: 14 + 0 * y) < 0.01
         assert self.lost_by(lambda _x, y: 7 + np.sqrt(np.maximum(49 - y**2 / 4, 0))) > 0.025
+
+
+def test_a_rim_over_a_hollow_may_be_all_that_one_pad_finds() -> None:
+    """Of a plate: 26 mm high outside, below which nothing was seen, and 10 mm inside. It may slip, a bar does not."""
+    chances = []
+    for fall_mm in (0.0, 16.0):
+        cloud = on_table(lambda x, y: bar(0.1, 0.04, 1.0)(x, y) * MM * (26 - (y > 0.01) * fall_mm))  # noqa: B023
+        chances.append(holds(best(plan_object(cloud, PR2, SETTINGS))))
+    assert chances[0] > 0.99
+    assert chances[1] < chances[0] - 0.02
 
 
 class TestOpening:
