@@ -17,7 +17,10 @@ POINTS_PER_CELL = cython.declare(cython.double, 3.0)
 def squared_reach(
     points: cython.float[:, ::1], chosen: cython.Py_ssize_t[::1], count: cython.Py_ssize_t
 ) -> NDArray[np.float32]:
-    """Square (m,) of the distance within which each of the `chosen` (m,) `points` (n, 2) has `count` points, itself among them."""
+    """Square (m,) of how far from each of the `chosen` (m,) `points` (n, 2) the farthest of its nearest `count` lies.
+
+    The point itself is one of them.
+    """
     index: cython.Py_ssize_t
     row: cython.Py_ssize_t
     column: cython.Py_ssize_t

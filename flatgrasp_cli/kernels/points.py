@@ -1,4 +1,4 @@
-"""What is asked of all the points of a frame: one pass over them, and nothing is written for those that are no answer."""
+"""What is asked of all the points of a frame: one pass over them, and nothing is written unless it is an answer."""
 
 from __future__ import annotations
 
@@ -8,7 +8,10 @@ from cython.cimports.libc.math import sqrt
 from numpy.typing import NDArray
 
 
-def not_measured(points: cython.const[cython.double][:, :], farthest: cython.double) -> NDArray[np.intp]:
+def not_measured(
+    points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
+    farthest: cython.double,
+) -> NDArray[np.intp]:
     """Rows of `points` (n, 3) that are not finite, exactly 0 0 0, or have a coordinate beyond ±`farthest`."""
     row: cython.Py_ssize_t
     found: cython.Py_ssize_t = 0
@@ -30,7 +33,9 @@ def not_measured(points: cython.const[cython.double][:, :], farthest: cython.dou
 
 
 def outside(
-    points: cython.const[cython.double][:, :], low: cython.double[::1], high: cython.double[::1]
+    points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
+    low: cython.double[::1],
+    high: cython.double[::1],
 ) -> NDArray[np.intp]:
     """Rows of `points` (n, 3) outside the box between `low` and `high` (3,)."""
     row: cython.Py_ssize_t
@@ -53,7 +58,9 @@ def outside(
 
 
 def near(
-    points: cython.const[cython.double][:, :], place: cython.double[::1], distance: cython.double
+    points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
+    place: cython.double[::1],
+    distance: cython.double,
 ) -> NDArray[np.intp]:
     """Rows of `points` (n, 3) that are nearer than a `distance` to a `place` (3,)."""
     row: cython.Py_ssize_t

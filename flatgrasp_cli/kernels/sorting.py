@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 
 def into_cells(
-    points: cython.const[cython.double][:, :],
+    points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
     frame: cython.double[:, ::1],
     grid: cython.double[::1],
     shape: cython.Py_ssize_t[::1],
@@ -35,9 +35,12 @@ def into_cells(
     high_x: cython.double = grid[0] + grid[2] * (rows - 1)
     high_y: cython.double = grid[1] + grid[2] * (columns - 1)
     for row in range(points.shape[0]):
-        x: cython.double = _along(points, row, frame, 0)
-        y: cython.double = _along(points, row, frame, 1)
-        height: cython.double = _along(points, row, frame, 2)
+        px: cython.double = points[row, 0]
+        py: cython.double = points[row, 1]
+        pz: cython.double = points[row, 2]
+        x: cython.double = px * frame[0, 0] + py * frame[0, 1] + pz * frame[0, 2] - frame[0, 3]
+        y: cython.double = px * frame[1, 0] + py * frame[1, 1] + pz * frame[1, 2] - frame[1, 3]
+        height: cython.double = px * frame[2, 0] + py * frame[2, 1] + pz * frame[2, 2] - frame[2, 3]
         place: cython.Py_ssize_t = 0
         if low_x <= x < high_x and low_y <= y < high_y and height > limits[0]:
             place = columns * cython.cast(cython.Py_ssize_t, (x - grid[0]) / grid[2])
@@ -48,20 +51,3 @@ def into_cells(
             counted[place] += 1
             summed[place] += height
     return count, total
-
-
-@cython.cfunc
-@cython.inline
-def _along(
-    points: cython.const[cython.double][:, :],
-    row: cython.Py_ssize_t,
-    frame: cython.double[:, ::1],
-    axis: cython.Py_ssize_t,
-) -> cython.double:
-    """A point's place along an axis of the frame."""
-    return (
-        points[row, 0] * frame[axis, 0]
-        + points[row, 1] * frame[axis, 1]
-        + points[row, 2] * frame[axis, 2]
-        - frame[axis, 3]
-    )

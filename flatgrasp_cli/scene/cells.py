@@ -40,9 +40,9 @@ class SortedPoints:
 
     @classmethod
     def of(cls, points: FloatArray, frame: Frame, raster: Raster, limits_m: tuple[float, float]) -> SortedPoints:
-        """Those of `points` (n, 3) that lie in a raster of the `frame`'s plane, and higher than the first of the limits.
+        """Those of `points` (n, 3) that lie in a raster of the `frame`'s plane, and higher than the first limit.
 
-        Heights are cut off at the second.
+        Heights are cut off at the second one.
         """
         cell, heights = np.empty(len(points), dtype=np.intp), np.empty(len(points))
         planes = np.column_stack([frame.axes, frame.axes @ frame.origin])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
 from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.kernels import points as kernels
 from flatgrasp_cli.model import Cloud

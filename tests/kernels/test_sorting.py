@@ -27,4 +27,4 @@ def test_compiled_and_as_written_they_find_the_same(seed: int) -> None:
         assert count.sum() == np.count_nonzero(cell)
         assert not count[[0, -1]].any()
         assert not count[:, [0, -1]].any()
-    assert np.array_equal(*found)
+    assert np.array_equal(found[0], found[1])
