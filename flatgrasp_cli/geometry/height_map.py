@@ -6,11 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import FloatArray, true_entries
+from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.raster import Raster
+from flatgrasp_cli.kernels import looking_up
 
 UNSEEN = -np.inf
+EVERYWHERE = np.full(2, -np.inf), np.full(2, np.inf)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,9 +70,10 @@ class HeightMap:
 
     def over(self, x: FloatArray, y: FloatArray) -> FloatArray:
         """Heights (…) of the cells that hold points, given by columns x and y (…)."""
-        return np.asarray(self.heights.take(self.raster.cells(x, y)))
+        return self.raster.looked_up(self.heights, x, y)
 
-    def higher_than(self, height: float) -> FloatArray:
-        """Middles and heights (k, 3) of the cells higher than `height`."""
-        row, column = true_entries(self.heights > height)
-        return np.column_stack([self.raster.middles(row, column), self.heights[row, column]])
+    def higher_than(
+        self, height: float, low: FloatArray = EVERYWHERE[0], high: FloatArray = EVERYWHERE[1]
+    ) -> FloatArray:
+        """Middles and heights (k, 3) of the cells higher than `height`, those between `low` and `high` (2,)."""
+        return looking_up.higher_than(self.heights, self.raster.origin, self.cell_m, height, low, high)
