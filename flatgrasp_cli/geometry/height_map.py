@@ -6,13 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.arrays import FloatArray, true_entries
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.raster import Raster
-from flatgrasp_cli.kernels import looking_up
 
 UNSEEN = -np.inf
-EVERYWHERE = np.full(2, -np.inf), np.full(2, np.inf)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,8 +70,7 @@ class HeightMap:
         """Heights (…) of the cells that hold points, given by columns x and y (…)."""
         return self.raster.looked_up(self.heights, x, y)
 
-    def higher_than(
-        self, height: float, low: FloatArray = EVERYWHERE[0], high: FloatArray = EVERYWHERE[1]
-    ) -> FloatArray:
-        """Middles and heights (k, 3) of the cells higher than `height`, those between `low` and `high` (2,)."""
-        return looking_up.higher_than(self.heights, self.raster.origin, self.cell_m, height, low, high)
+    def higher_than(self, height: float) -> FloatArray:
+        """Middles and heights (k, 3) of the cells higher than `height`."""
+        row, column = true_entries(self.heights > height)
+        return np.column_stack([self.raster.middles(row, column), self.heights[row, column]])

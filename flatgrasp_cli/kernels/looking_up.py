@@ -49,32 +49,3 @@ def over(
         row: cython.Py_ssize_t = _bounded(x[place], origin[0], cell_m, values.shape[0])
         answer[place] = values[row, _bounded(y[place], origin[1], cell_m, values.shape[1])]
     return found
-
-
-def higher_than(
-    heights: cython.double[:, ::1],
-    origin: cython.double[::1],
-    cell_m: cython.double,
-    least: cython.double,
-    low: cython.double[::1],
-    high: cython.double[::1],
-) -> NDArray[np.float64]:
-    """Middles and heights (k, 3) of the cells between `low` and `high` (2,) that are higher than `least`, in order."""
-    row: cython.Py_ssize_t
-    column: cython.Py_ssize_t
-    found: cython.Py_ssize_t = 0
-    for row in range(heights.shape[0]):
-        for column in range(heights.shape[1]):
-            found += heights[row, column] > least
-    cells_found = np.empty((found, 3))
-    tall: cython.double[:, ::1] = cells_found
-    found = 0
-    for row in range(heights.shape[0]):
-        x: cython.double = origin[0] + cell_m * (row + 0.5)
-        for column in range(heights.shape[1]):
-            y: cython.double = origin[1] + cell_m * (column + 0.5)
-            if heights[row, column] > least and low[0] < x < high[0] and low[1] < y < high[1]:
-                tall[found, 0], tall[found, 1], tall[found, 2] = x, y, heights[row, column]
-                found += 1
-    some: NDArray[np.float64] = cells_found[:found]
-    return some

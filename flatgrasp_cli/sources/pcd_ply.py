@@ -168,7 +168,9 @@ def _goes_on(file: BinaryIO, header: PlyHeader) -> bool:
 
 def _cloud_of(columns: Sequence[FloatArray] | FloatArray, name: str, shape: tuple[int, int], scale: float) -> Cloud:
     """The cloud of points given as columns x, y and z, of any type; `shape` is height and width."""
-    points = np.stack(columns, axis=1, dtype=np.float64, casting="unsafe")
+    points = np.empty((len(columns[0]), 3))
+    for k, column in enumerate(columns):
+        points[:, k] = column
     if scale != 1.0:
         points *= scale
     pixels = ImageGrid(shape, np.ones(len(points), dtype=np.bool_)) if min(shape) > 1 else None
