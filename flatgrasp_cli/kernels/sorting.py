@@ -51,3 +51,20 @@ def into_cells(
             counted[place] += 1
             summed[place] += height
     return count, total
+
+
+def from_above(
+    cell: cython.Py_ssize_t[::1],
+    heights: cython.double[::1],
+    names: cython.Py_ssize_t[::1],
+    owner: cython.Py_ssize_t[::1],
+    highest: cython.double[::1],
+) -> None:
+    """Write the `highest` of the points in each `cell` (n,), by their `heights` (n,), and who owns it, by `names` (n,).
+
+    What the cells (cells,) hold already counts, too; of points as high as each other the last one is seen.
+    """
+    point: cython.Py_ssize_t
+    for point in range(cell.shape[0]):
+        if heights[point] >= highest[cell[point]]:
+            highest[cell[point]], owner[cell[point]] = heights[point], names[point]

@@ -28,3 +28,18 @@ def test_compiled_and_as_written_they_find_the_same(seed: int) -> None:
         assert not count[[0, -1]].any()
         assert not count[:, [0, -1]].any()
     assert np.array_equal(found[0], found[1])
+
+
+@given(seed=st.integers(0, 999))
+def test_the_highest_is_seen_from_above(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    cell, heights, names = rng.integers(0, 6, 30), rng.integers(0, 9, 30).astype(np.float64), rng.integers(0, 4, 30)
+    found = []
+    for kernel in (sorting, interpreted("sorting")):
+        owner, highest = np.full(8, -1), np.full(8, -np.inf)
+        kernel.from_above(cell, heights, names, owner, highest)
+        found.append(np.stack([owner, highest]))
+    assert np.array_equal(found[0], found[1])
+    order = np.argsort(heights, kind="stable")  # the highest is written last
+    owner[cell[order]], highest[cell[order]] = names[order], heights[order]
+    assert np.array_equal(found[0], np.stack([owner, highest]))

@@ -47,4 +47,4 @@ def color_seam_cells(grid: ViewGrid, colors: ByteArray, least: float) -> BoolArr
 def surface_normals(grid: ViewGrid) -> tuple[FloatArray, BoolArray]:
     """Unit normals (3, rows, columns) toward the sensor, by planes through 3 × 3 cells, and where there are any."""
     normals = kernels.normals(grid.x, grid.y, grid.depth, grid.jump_m, LEAST_NEIGHBOURS)
-    return normals, normals.any(axis=0)
+    return normals, np.asarray(normals.any(axis=0))
