@@ -68,7 +68,7 @@ class HeightMap:
 
     def over(self, x: FloatArray, y: FloatArray) -> FloatArray:
         """Heights (…) of the cells that hold points, given by columns x and y (…)."""
-        return np.asarray(self.heights.take(self.raster.cells(x, y)))
+        return self.raster.looked_up(self.heights, x, y)
 
     def higher_than(self, height: float) -> FloatArray:
         """Middles and heights (k, 3) of the cells higher than `height`."""

@@ -59,7 +59,7 @@ class RangeImage:
     def nearest(self, columns: FloatArray) -> tuple[FloatArray, FloatArray]:
         """How far the rays through points, columns (3, n), got, and how far those lie, (n,); +inf for no return."""
         x, y, ranges = self._projected(columns)
-        return self.ranges.take(self.pixels.cells(x, y)), ranges
+        return self.pixels.looked_up(self.ranges, x, y), ranges
 
     def _projected(self, columns: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Image coordinates x and y, and ranges (n,), of points, columns (3, n); behind the viewpoint x is +inf."""

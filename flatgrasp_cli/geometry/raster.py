@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import Float32Array, FloatArray, IntArray
+from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
+from flatgrasp_cli.kernels import looking_up
 
 MAX_CELLS = 4_000_000
 """Cells that a raster may have: 32 MB of numbers."""
@@ -48,12 +49,14 @@ class Raster:
         """Number of cells."""
         return self.shape[0] * self.shape[1]
 
-    def cells(self, x: FloatArray | Float32Array, y: FloatArray | Float32Array) -> IntArray:
+    def cells(self, x: FloatArray, y: FloatArray) -> IntArray:
         """Flat indices (…) of the cells that hold points x and y (…); those outside fall on the rim."""
-        cell = _bounded(x, self.origin[0], self.cell_m, self.shape[0])
-        cell *= self.shape[1]
-        cell += _bounded(y, self.origin[1], self.cell_m, self.shape[1])
-        return cell
+        found = looking_up.cells(np.ravel(x), np.ravel(y), self.origin, self.cell_m, *self.shape)
+        return found.reshape(np.shape(x))
+
+    def looked_up(self, values: FloatArray, x: FloatArray, y: FloatArray) -> FloatArray:
+        """The `values` (rows, columns) at points x and y (…), those on the rim for points outside."""
+        return looking_up.over(values, np.ravel(x), np.ravel(y), self.origin, self.cell_m).reshape(np.shape(x))
 
     def cells_within(self, x: FloatArray, y: FloatArray) -> IntArray:
         """The same for points (n,) none of which, or none that counts, lies outside: in half the time."""
@@ -86,10 +89,3 @@ class Raster:
         values[[0, -1]] = empty
         values[:, [0, -1]] = empty
         return values
-
-
-def _bounded(values: FloatArray | Float32Array, low: float, cell_m: float, count: int) -> IntArray:
-    """Indices (…) of values in `count` cells from `low`."""
-    index = np.asarray(values - values.dtype.type(low))
-    index /= cell_m
-    return index.clip(0, count - 1, out=index).astype(np.intp)

@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 UNSEEN = cython.declare(cython.double, -math.inf)
+TILE = cython.declare(cython.Py_ssize_t, 8)
+"""Cells along the side of a square that is passed over as a whole: it decides how long that takes, and nothing else."""
 
 
 @cython.cfunc
@@ -130,31 +132,96 @@ def under_tips(
 
 
 def under_palm(
-    hands: cython.double[:, ::1], tall: cython.double[:, ::1], across: cython.double, along: cython.double[:, ::1]
+    hands: cython.double[:, ::1],
+    heights: cython.double[:, ::1],
+    grid: cython.double[::1],
+    least: cython.double,
+    across: cython.double,
+    along: cython.double[:, ::1],
 ) -> NDArray[np.float64]:
     """Highest point (m, p) below palms that reach `across` and `along` (m, p) the closing axis to each side, metres.
 
-    A hand (p, 4) is its centre and its closing axis. `tall` (k, 3) are places and heights, the highest first: the
-    first one below a palm is what it meets; −∞ if there is none.
+    A hand (p, 4) is its centre and its closing axis. Only cells that are higher than `least` count, by their middles;
+    −∞ if there is none below a palm.
     """
     hand: cython.Py_ssize_t
     row: cython.Py_ssize_t
     index: cython.Py_ssize_t
-    left: cython.Py_ssize_t
+    tiles: cython.double[:, ::1] = _tiles(heights, grid, least)
+    radius: cython.double = TILE * grid[2]  # of a circle around a tile, and some more
     found = np.full((along.shape[0], along.shape[1]), -math.inf)
     answer: cython.double[:, ::1] = found
     for hand in range(hands.shape[0]):
-        left = along.shape[0]
-        for index in range(tall.shape[0]):
-            dx: cython.double = tall[index, 0] - hands[hand, 0]
-            dy: cython.double = tall[index, 1] - hands[hand, 1]
+        longest: cython.double = 0.0
+        for row in range(along.shape[0]):
+            longest = max(longest, along[row, hand])
+        for index in range(tiles.shape[0]):
+            dx: cython.double = tiles[index, 0] - hands[hand, 0]
+            dy: cython.double = tiles[index, 1] - hands[hand, 1]
+            if abs(dy * hands[hand, 2] - dx * hands[hand, 3]) > across + radius:
+                continue
+            if abs(dx * hands[hand, 2] + dy * hands[hand, 3]) > longest + radius:
+                continue
+            lowest: cython.double = math.inf
+            for row in range(along.shape[0]):
+                lowest = min(lowest, answer[row, hand])
+            if tiles[index, 4] > lowest:
+                _in_tile(hands, hand, heights, grid, tiles[index], least, across, along, answer)
+    return found
+
+
+@cython.cfunc
+def _tiles(heights: cython.double[:, ::1], grid: cython.double[::1], least: cython.double) -> cython.double[:, ::1]:
+    """Squares of cells in which one is higher than `least`: their middles, first cells and greatest heights (k, 5)."""
+    row: cython.Py_ssize_t
+    column: cython.Py_ssize_t
+    tile: cython.Py_ssize_t
+    down: cython.Py_ssize_t = (heights.shape[0] + TILE - 1) // TILE
+    right: cython.Py_ssize_t = (heights.shape[1] + TILE - 1) // TILE
+    top: cython.double[::1] = np.full(down * right, -math.inf)
+    for row in range(heights.shape[0]):
+        for column in range(heights.shape[1]):
+            tile = (row // TILE) * right + column // TILE
+            top[tile] = max(top[tile], heights[row, column])
+    tiles: cython.double[:, ::1] = np.empty((down * right, 5))
+    found: cython.Py_ssize_t = 0
+    for tile in range(down * right):
+        if top[tile] > least:
+            row, column = TILE * (tile // right), TILE * (tile % right)
+            tiles[found, 0] = grid[0] + grid[2] * (row + 0.5 * TILE)
+            tiles[found, 1] = grid[1] + grid[2] * (column + 0.5 * TILE)
+            tiles[found, 2], tiles[found, 3], tiles[found, 4] = row, column, top[tile]
+            found += 1
+    return tiles[:found]
+
+
+@cython.cfunc
+def _in_tile(
+    hands: cython.double[:, ::1],
+    hand: cython.Py_ssize_t,
+    heights: cython.double[:, ::1],
+    grid: cython.double[::1],
+    tile: cython.double[::1],
+    least: cython.double,
+    across: cython.double,
+    along: cython.double[:, ::1],
+    answer: cython.double[:, ::1],
+) -> cython.void:
+    """Raise a hand's column of the `answer` to the highest cell of a tile that lies below its palm."""
+    row: cython.Py_ssize_t
+    column: cython.Py_ssize_t
+    opening: cython.Py_ssize_t
+    first_row: cython.Py_ssize_t = cython.cast(cython.Py_ssize_t, tile[2])
+    first_column: cython.Py_ssize_t = cython.cast(cython.Py_ssize_t, tile[3])
+    for row in range(first_row, min(first_row + TILE, heights.shape[0])):
+        dx: cython.double = grid[0] + grid[2] * (row + 0.5) - hands[hand, 0]
+        for column in range(first_column, min(first_column + TILE, heights.shape[1])):
+            if heights[row, column] <= least:
+                continue
+            dy: cython.double = grid[1] + grid[2] * (column + 0.5) - hands[hand, 1]
             if abs(dy * hands[hand, 2] - dx * hands[hand, 3]) > across:
                 continue
             y: cython.double = abs(dx * hands[hand, 2] + dy * hands[hand, 3])
-            for row in range(along.shape[0]):
-                if answer[row, hand] == UNSEEN and y <= along[row, hand]:
-                    answer[row, hand] = tall[index, 2]
-                    left -= 1
-            if left == 0:
-                break
-    return found
+            for opening in range(along.shape[0]):
+                if y <= along[opening, hand]:
+                    answer[opening, hand] = max(answer[opening, hand], heights[row, column])

@@ -9,6 +9,7 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.frames import Frame
+from flatgrasp_cli.kernels.points import not_measured
 
 LARGEST_COORDINATE_M = 1e4
 """What lies farther from the origin than 10 km was not measured by anything that looks at objects."""
@@ -171,7 +172,7 @@ class Cloud:
         object.__setattr__(self, "points", points)
         if self.viewpoint is not None:
             object.__setattr__(self, "viewpoint", _place(self.viewpoint))
-        lost = _not_measured(points)
+        lost = not_measured(points, LARGEST_COORDINATE_M)
         if len(lost):
             rest = self.without(lost)
             for name in ("points", "dropped", "colors", "pixels"):
@@ -221,16 +222,3 @@ def _place(values: FloatArray) -> FloatArray:
     if place.shape != (3,) or not np.isfinite(place).all():
         raise ValueError(f"the viewpoint of a cloud is three finite numbers, not {values!r}")
     return place
-
-
-def _not_measured(points: FloatArray) -> IntArray:
-    """Rows of `points` (n, 3) that nothing measured: not finite, exactly 0 0 0, or farther away than anything seen.
-
-    Nearly all clouds have none, so what costs time is done only where a cheap look finds something.
-    """
-    zero = np.flatnonzero(points[:, 0] == 0.0)
-    zero = zero[~points[zero].any(axis=1)]
-    if points.size == 0 or -LARGEST_COORDINATE_M <= points.min() <= points.max() <= LARGEST_COORDINATE_M:
-        return zero
-    near = np.abs(points) <= LARGEST_COORDINATE_M  # false for NaN, too
-    return np.union1d(zero, np.flatnonzero(~near.all(axis=1)))

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.geometry.polygon import dot, left_normal
+from flatgrasp_cli.geometry.polygon import left_normal
+from flatgrasp_cli.kernels.contacts import touched_aside
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import HandSettings
@@ -36,14 +37,11 @@ def pad_contacts(
     boundary that lies under one of the jaw's fingers, no more than `tolerance_m` below the highest point there.
     """
     center, width, across = grasps.center, grasps.width, left_normal(grasps.axis)
+    half = HALF_WIDTH_AND_MORE * gripper.finger_width_m
     touched = np.empty((len(grasps), 2, 2))
-    for side, candidate, outward in ((0, grasps.i, -grasps.axis), (1, grasps.j, grasps.axis)):
-        arcs = fingers.arcs[candidate] - center[:, None]
-        x, y = dot(arcs, across[:, None]), dot(arcs, outward[:, None])
-        nearest = np.abs(x[..., None] - np.asarray(gripper.jaws[side])).min(axis=2)
-        under = nearest <= np.maximum(HALF_WIDTH_AND_MORE * gripper.finger_width_m, nearest.min(axis=1, keepdims=True))
-        highest = np.where(under, y, -np.inf).max(axis=1, keepdims=True)
-        touches = under & (y >= highest - tolerance_m)
-        aside = np.where(touches, x, 0.0).sum(axis=1) / touches.sum(axis=1)
+    for side, candidate, sign in ((0, grasps.i, -1.0), (1, grasps.j, 1.0)):
+        outward, jaw = sign * grasps.axis, sign * np.asarray(gripper.jaws[side])
+        hands = np.column_stack([center, outward])
+        aside = sign * touched_aside(hands, fingers.arcs, candidate, jaw, half, tolerance_m)
         touched[:, side] = center + aside[:, None] * across + 0.5 * width[:, None] * outward
     return touched

@@ -11,6 +11,7 @@ from flatgrasp_cli.geometry.alpha_shape import CellGrid, alpha_region
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.spacing import spacing
+from flatgrasp_cli.kernels.gaps import two_skins
 from flatgrasp_cli.model import Silhouette
 from flatgrasp_cli.profiles.settings import SilhouetteSettings
 
@@ -88,9 +89,7 @@ def _is_gap(hole: FloatArray, points: FloatArray, heights: FloatArray, alpha_m: 
     An object that was seen from both sides has a wall wherever there is something to press on. Two skins are farther
     apart than the disc around a place of the hole is wide in which heights are compared.
     """
-    reach_m, skins = 2 * alpha_m, list[bool]()
-    perimeter = polygon.arc_positions(hole)[-1]
-    for place in polygon.points_at(hole, np.arange(0.0, perimeter, reach_m)):
-        near = np.sort(heights[np.linalg.norm(points - place, axis=1) <= reach_m])
-        skins.append(bool(np.diff(near).max(initial=0.0) > 2 * reach_m))
-    return 2 * sum(skins) > len(skins)
+    reach_m, perimeter = 2 * alpha_m, polygon.arc_positions(hole)[-1]
+    places = polygon.points_at(hole, np.arange(0.0, perimeter, reach_m))
+    skins = two_skins(places, points, heights, reach_m, 2 * reach_m)
+    return 2 * int(np.count_nonzero(skins)) > len(skins)

@@ -9,13 +9,13 @@ from statistics import NormalDist
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.kernels.trial import suffices
 from flatgrasp_cli.profiles.uncertainty import Uncertainty
 
 PRIMES = np.array([2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0])
 """One for each of a sample's numbers."""
 TINY = 1e-9
-"""Stands for a spread of 0, where what is needed is there or not; and points of the unit cube come no nearer to its
-faces, where the normal distribution ends."""
+"""Points of the unit cube come no nearer to its faces, where the normal distribution ends."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,9 +62,8 @@ def errors_of(unsure: Uncertainty, seed: int) -> Errors:
 
 
 def friction_suffices(need: FloatArray, friction: float, unsure: Uncertainty) -> FloatArray:
-    """How probable it is (…) that pads have the friction that grasps `need` (…), if about `friction` is counted on."""
-    spread = unsure.friction_share
-    return np.asarray(((1 + spread - need / friction) / max(2 * spread, TINY)).clip(0.0, 1.0))
+    """How probable it is (n,) that pads have the friction that grasps `need` (n,), if about `friction` is meant."""
+    return suffices(need, friction, unsure.friction_share)
 
 
 def _sequence(count: int, seed: int) -> FloatArray:

@@ -27,7 +27,7 @@ class Load(NamedTuple):
 
 
 class Needs(NamedTuple):
-    """Friction coefficients (p, s) that it takes to bear an object's weight, and to keep it from turning."""
+    """Friction coefficients that it takes to bear an object's weight (s,), and to keep it from turning (p, s)."""
 
     weight: FloatArray
     turning: FloatArray
@@ -43,7 +43,7 @@ def friction_to_lift(load: Load, force_n: float, pads: FloatArray, lift_m: float
     weight = load.mass * STANDARD_GRAVITY / (2 * force_n)
     turning = weight * load.arm / _mean_radius(pads)[:, None]
     stays = (load.beyond > lift_m)[:, None]
-    return Needs(np.broadcast_to(STRESS * weight, turning.shape), np.where(stays, turning, 0.0))
+    return Needs(STRESS * weight, np.where(stays, turning, 0.0))
 
 
 def _mean_radius(pads: FloatArray) -> FloatArray:

@@ -14,11 +14,12 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
 from flatgrasp_cli.geometry.polygon import cross
+from flatgrasp_cli.kernels.trial import chances
 from flatgrasp_cli.model import GraspCandidates, OpenHands, PlaneShape, Tolerance
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.ranking.closing import closed, moved
-from flatgrasp_cli.ranking.errors import Errors, errors_of, friction_suffices
+from flatgrasp_cli.ranking.errors import Errors, errors_of
 from flatgrasp_cli.ranking.lifting import Load, friction_to_lift
 from flatgrasp_cli.surroundings.interface import Surroundings
 from flatgrasp_cli.surroundings.maps import NOISE_M
@@ -62,21 +63,20 @@ class Situation:
         `tolerances` say of each how far a hand may miss that comes into a cage's basin, where it does: then closing
         ends in the grasp.
         """
-        chances = self._chances(grasps, _inside(tolerances, grasps, self.errors))
-        left = np.column_stack([chance.mean(axis=1) for chance in chances])
+        left = self._chances(grasps, _inside(tolerances, grasps, self.errors))
         causes = -np.diff(left, axis=1, prepend=1.0)
         after = left[:, np.cumsum([len(CLEAR), len(CLOSES), len(LIFTS)]) - 1]
         before = np.column_stack([np.ones(len(grasps)), after[:, :-1]])
         success = np.divide(after, before, out=np.ones_like(after), where=before > 0)
         return grasps.having(success=success, causes=causes, probability=left[:, -1])
 
-    def _chances(self, grasps: GraspCandidates, inside: BoolArray) -> list[FloatArray]:
-        """How probably k grasps have not failed yet in s samples, (k, s) after each of the `CAUSES`.
+    def _chances(self, grasps: GraspCandidates, inside: BoolArray) -> FloatArray:
+        """How probably k grasps have not failed yet (k, c) after each of the `CAUSES`.
 
         Where the hand is `inside` (k, s) a basin, closing ends in the grasp, and its two sides are opposed again. What
         depends on friction alone, or on what was not seen, is a chance in each sample; all else is 0 or 1 there.
         """
-        errors, each = self.errors, inside.shape
+        errors, unsure, each = self.errors, self.settings.uncertainty.figures, inside.shape
         center, axis = moved(grasps.center, grasps.axis, errors)
         hands = OpenHands(
             center=center.reshape(-1, 2),
@@ -86,57 +86,24 @@ class Situation:
         )
         found = closed(self.shape.silhouette.loops, hands, self.gripper, self.settings.hand.contact_tolerance_m)
         stops = self.surroundings.stopped(hands, self.gripper)
-        dark = stops.dark.reshape(each)
-        hidden = errors.luck * grasps.hidden.max(axis=1)[:, None]
-        held = self._held_m(grasps, np.maximum(hands.tip, stops.height).reshape(each))
-        wedge = np.where(inside, 0.0, np.tan(found.wedge).reshape(each))
-        force_n = self.gripper.max_force_n or self.settings.uncertainty.figures.force_n
-        pads = np.column_stack([np.full(len(grasps), self.gripper.finger_width_m), self._grip_m(grasps)])
+        force_n, grip_m = self.gripper.max_force_n or unsure.force_n, self._grip_m(grasps)
+        pads = np.column_stack([np.full(len(grasps), self.gripper.finger_width_m), grip_m])
         to_lift = friction_to_lift(self._load(grasps, center, axis), force_n, pads, self.settings.depth.lift_m)
-        lands = ~found.free.reshape(each) | (found.room.reshape(each) < hidden)
-        beside = np.where(lands, PUSHED_ASIDE, 1.0)
-        down = beside * (held >= NOISE_M) * (1 - self.settings.uncertainty.figures.occupied_share * dark)
-        around = down * (found.between.reshape(each) | inside | lands)
-        chances, need = [beside, down, around], np.zeros(each)
-        for more in (np.hypot(wedge, self._lean(grasps, held)), to_lift.weight):
-            need = np.maximum(need, more)
-            chances.append(around * self._rubs(need))
-        still = around * self._rubs(np.maximum(need, to_lift.turning))
-        return [*chances, still + TURNED_HELD * (chances[-1] - still)]
-
-    def _rubs(self, need: FloatArray) -> FloatArray:
-        """How probable it is that the pads' friction is more than `need` (…)."""
-        usual = self.settings.balance.friction_with(self.gripper)
-        return friction_suffices(need, usual, self.settings.uncertainty.figures)
+        wedge, turning = np.tan(found.wedge), to_lift.turning.ravel()
+        met = np.stack([found.free, found.room, found.between, wedge, stops.height, stops.dark, hands.tip, turning])
+        hidden, has_height = grasps.hidden.max(axis=1), ~np.isnan(grasps.grip)
+        known = np.column_stack([grasps.tip + grip_m, grip_m, hidden, grasps.askew, has_height])
+        noise = np.sqrt(0.5) * unsure.outline_m * errors.outline
+        samples = np.column_stack([errors.luck, noise, to_lift.weight])
+        friction = self.settings.balance.friction_with(self.gripper)
+        often = [PUSHED_ASIDE, TURNED_HELD, unsure.occupied_share]
+        usual = np.array([friction, unsure.friction_share, *often, NOISE_M])
+        return chances(met.reshape(-1, *each), known, grasps.lean, samples, inside.view(np.uint8), usual)
 
     def _grip_m(self, grasps: GraspCandidates) -> FloatArray:
         """How much of the object's height the pads of k hands cover (k,), metres; of an object alone all they can."""
         alone = min(self.gripper.finger_length_m, float(self.shape.box.size[2]))
         return np.where(np.isnan(grasps.grip), alone, grasps.grip)
-
-    def _held_m(self, grasps: GraspCandidates, tip: FloatArray) -> FloatArray:
-        """The same for fingertips that really end at `tip` (k, s)."""
-        top = grasps.tip + self._grip_m(grasps)
-        return np.asarray(np.maximum(top[:, None] - tip, 0.0))
-
-    def _lean(self, grasps: GraspCandidates, held: FloatArray) -> FloatArray:
-        """Tangent (k, s) of the angle by which the walls lean: the less of them is `held` (k, s), the less is known.
-
-        An object alone has upright sides, for want of anything that tells.
-        """
-        noise = np.sqrt(0.5) * self.settings.uncertainty.figures.outline_m * self.errors.outline
-        levels = grasps.lean.shape[1]
-        higher = levels * (1 - held / np.maximum(self._grip_m(grasps), NOISE_M)[:, None]).clip(0.0, 1.0)
-        below = np.minimum(higher, levels - 1).astype(np.intp)
-        rows = np.arange(len(grasps))[:, None]
-        known, next_known = grasps.lean[rows, below], grasps.lean[rows, np.minimum(below + 1, levels - 1)]
-        lean = (
-            known
-            + (higher - below) * (next_known - known)
-            + self.errors.luck * grasps.askew[:, None]
-            + noise / np.maximum(0.5 * held, NOISE_M)
-        )
-        return np.where(np.isnan(grasps.grip)[:, None], 0.0, np.maximum(lean, 0.0))
 
     def _load(self, grasps: GraspCandidates, center: FloatArray, axis: FloatArray) -> Load:
         """What k grasps, by hands with the centres and axes (k, s, 2), have to bear.

@@ -8,7 +8,9 @@ import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.raster import Raster
+from flatgrasp_cli.kernels.sorting import into_cells
 
 COARSE_CELL_M = 0.01
 """Side of the cells that the points' density is measured in, metres: wider than points are apart, and narrower than the
@@ -24,27 +26,29 @@ the waves of a sensor's distortion, of some 20 cm."""
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SortedPoints:
-    """Points sorted into a `raster` of the plane: the flat index `cell` (n,) of each, and how many each cell holds.
+    """Points sorted into a `raster` of the plane, each in the `cell` (n,) with that flat index and at one of `heights`.
 
-    `count` is (rows, columns). Points that are left out have the index 0, a cell of the rim.
+    `count` is how many each cell holds, `total` the sum of their heights, (rows, columns) each. Points that are left
+    out have the index 0, a cell of the rim, which holds none.
     """
 
     raster: Raster
     cell: IntArray
+    heights: FloatArray
     count: IntArray
+    total: FloatArray
 
     @classmethod
-    def of(cls, raster: Raster, cell: IntArray) -> SortedPoints:
-        """The points in cells `cell` (n,)."""
-        count = raster.count(cell)
-        count[0, 0] = 0
-        return cls(raster, cell, count)
+    def of(cls, points: FloatArray, frame: Frame, raster: Raster, limits_m: tuple[float, float]) -> SortedPoints:
+        """Those of `points` (n, 3) that lie in a raster of the `frame`'s plane, and higher than the first limit.
 
-    def total(self, values: FloatArray, cell: IntArray | None = None) -> FloatArray:
-        """Sum (rows, columns) of the `values` (n,) in each cell: of the points, or of others with indices `cell`."""
-        total = self.raster.total(self.cell if cell is None else cell, values)
-        total[0, 0] = 0.0
-        return total
+        Heights are cut off at the second one.
+        """
+        cell, heights = np.empty(len(points), dtype=np.intp), np.empty(len(points))
+        planes = np.column_stack([frame.axes, frame.axes @ frame.origin])
+        grid, shape = np.append(raster.origin, raster.cell_m), np.array(raster.shape)
+        count, total = into_cells(points, planes, grid, shape, np.array(limits_m), cell, heights)
+        return cls(raster, cell, heights, count, total)
 
 
 def fitting_cell_m(x: FloatArray, y: FloatArray, every: float = 1.0) -> float:

@@ -44,8 +44,6 @@ STRAY_M, STRAY_CELLS = 0.01, 3.0
 in a sparse cloud, this many cells of the raster."""
 GRID_SAMPLE = 20_000
 """Points by which the raster is laid out: several in each of the cells that their density is measured in."""
-BLOCK = 16_384
-"""Points worked on at once: as many as stay in a processor's cache. A result does not depend on it."""
 CALM_WINDOW_M = 0.025
 """Side of the square over which the free plane's level is averaged, metres: some hundred points, and no wider than a
 finger with its clearance."""
@@ -81,9 +79,9 @@ class Clusters:
 def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettings) -> Clusters | None:
     """The objects among `points` (n, 3) on `plane`, largest first; None if no cell shows the plane itself."""
     frame = frame_on_plane(plane.normal, plane.offset_m)
-    found, heights = _sorted(points, frame, _raster(points, frame, plane.noise_m), -SIGMAS * plane.noise_m)
-    total = found.total(heights)
-    own = total / np.maximum(found.count, 1)
+    raster = _raster(points, frame, plane.noise_m)
+    found = SortedPoints.of(points, frame, raster, (-SIGMAS * plane.noise_m, HIGH_M))
+    own = found.total / np.maximum(found.count, 1)
     table = _broad(
         (found.count > 0) & (np.abs(own) < SIGMAS * plane.noise_m), settings.least_part_m / found.raster.cell_m
     )
@@ -96,13 +94,13 @@ def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettin
     # from here on only the points in cells that stand out, which are few
     rows = np.flatnonzero(standing.take(found.cell))
     cell = found.cell[rows]
-    rows = rows[heights[rows] > np.minimum(POINT_SIGMAS * plane.noise_m, 0.5 * own.ravel()[cell])]
+    rows = rows[found.heights[rows] > np.minimum(POINT_SIGMAS * plane.noise_m, 0.5 * own.ravel()[cell])]
     rows = rows[~lonely(points[rows], max(STRAY_M, STRAY_CELLS * found.raster.cell_m))]
     piece = labels.ravel()[found.cell[rows]]  # without the plane's points at an object's edge
     return Clusters(
         members=tuple(rows[piece == name] for name in chosen),
         clutter=rows[~np.isin(piece, chosen)],
-        floor=_floor(frame, found, total, rows, heights[rows]),
+        floor=_floor(frame, found, rows),
         lie_on_table=bool(chosen) and _outside_share(labels, chosen, table) >= LEAST_AROUND,
         extent_m=float(found.raster.cell_m * np.hypot(*span_of(table))),
     )
@@ -119,33 +117,14 @@ def _raster(points: FloatArray, frame: Frame, noise_m: float) -> Raster:
     return Raster.over(low, high, fitting_cell_m(x[flat], y[flat], len(points) / len(chosen)))
 
 
-def _sorted(points: FloatArray, frame: Frame, raster: Raster, lowest_m: float) -> tuple[SortedPoints, FloatArray]:
-    """All points above `lowest_m` sorted into the raster, and the heights (n,) of all, cut off at `HIGH_M`.
-
-    A frame has hundreds of thousands of points. They are read once, block by block, so that nothing on the way from
-    coordinates to cells leaves the processor's cache.
-    """
-    cell, heights = np.empty(len(points), dtype=np.intp), np.empty(len(points))
-    offset = float(frame.axes[2] @ frame.origin)
-    low, high = raster.inside
-    for first in range(0, len(points), BLOCK):
-        part = slice(first, first + BLOCK)
-        block = points[part]
-        x, y, height = block @ frame.axes[0], block @ frame.axes[1], block @ frame.axes[2] - offset
-        near = (x >= low[0]) & (x < high[0]) & (y >= low[1]) & (y < high[1]) & (height > lowest_m)
-        np.multiply(raster.cells_within(x, y), near, out=cell[part])
-        np.minimum(height, HIGH_M, out=heights[part])
-    return SortedPoints.of(raster, cell), heights
-
-
-def _floor(frame: Frame, found: SortedPoints, total: FloatArray, rows: IntArray, heights: FloatArray) -> Floor:
+def _floor(frame: Frame, found: SortedPoints, rows: IntArray) -> Floor:
     """The cells with points of the plane, at the mean height of those around them: a cell's own is mostly noise.
 
-    `total` is the sum of all heights in each cell; `rows` and `heights` belong to the points that are not the plane's.
+    `rows` are the points that are not the plane's.
     """
     cell = found.cell[rows]
-    count = found.count - np.bincount(cell, minlength=found.count.size).reshape(found.count.shape)
-    mean = (total - found.total(heights, cell)) / np.maximum(count, 1)
+    count = found.count - found.raster.count(cell)
+    mean = (found.total - found.raster.total(cell, found.heights[rows])) / np.maximum(count, 1)
     level = smoothed(mean, count, 2 * round(0.5 * CALM_WINDOW_M / found.raster.cell_m) + 1)
     levels = HeightMap(found.raster, np.where(count > 0, level, UNSEEN))
     return Floor(frame, levels, found.raster.cell_m / float(np.sqrt(np.median(count[count > 0]))))

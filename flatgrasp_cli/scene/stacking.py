@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.kernels.sorting import from_above
 from flatgrasp_cli.model import Floor
 
 LOWER_M = 0.005
@@ -39,9 +40,8 @@ def _from_above(points: FloatArray, members: tuple[IntArray, ...], floor: Floor)
     names = np.repeat(np.arange(len(members)), [len(own) for own in members])
     x, y, z = floor.frame.to_local(points[rows]).T
     cell = raster.cells(x, y)
-    order = np.argsort(z, kind="stable")  # the highest is written last
     owner, height = np.full(raster.size, NONE), np.full(raster.size, -np.inf)
-    owner[cell[order]], height[cell[order]] = names[order], z[order]
+    from_above(cell, np.ascontiguousarray(z), names, owner, height)
     return owner.reshape(raster.shape), height.reshape(raster.shape)
 
 

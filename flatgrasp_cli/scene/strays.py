@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
 from flatgrasp_cli.geometry.sampling import spread_indices
+from flatgrasp_cli.kernels import points as kernels
 from flatgrasp_cli.model import Cloud
 from flatgrasp_cli.scene.support_plane import FINE_SAMPLE, REACH_M
 
@@ -19,8 +20,6 @@ REPEATED, MOST_REPEATED = 4, 8
 the number of such places that are looked for: one for each transform or file that padded the cloud."""
 MAX_CELLS = 4_000_000
 """Largest number of cells: 32 MB of numbers. Cells become larger instead."""
-ROW = 512
-"""Points compared at once: numpy is slow at short rows. A result does not depend on it."""
 
 
 def without_far_strays(cloud: Cloud) -> Cloud:
@@ -35,7 +34,7 @@ def without_far_strays(cloud: Cloud) -> Cloud:
     ends = np.partition(sample, [tail, len(sample) - 1 - tail], axis=0)
     low, high = ends[tail], ends[len(sample) - 1 - tail]
     margin = max(REACH_M, float(np.linalg.norm(high - low)))
-    outside = _outside(cloud.points, low - margin, high + margin)
+    outside = kernels.outside(cloud.points, low - margin, high + margin)
     return cloud.without(outside) if len(outside) else cloud
 
 
@@ -46,28 +45,16 @@ def without_repeats(cloud: Cloud) -> Cloud:
     place or another by a transform, or copies that pad a cloud to a fixed length.
     """
     sample = cloud.points[spread_indices(len(cloud.points), FINE_SAMPLE)]
-    values, counts = np.unique(sample[:, 0], return_counts=True)
+    along = np.sort(sample[:, 0])
+    repeated = along[REPEATED - 1 :][along[REPEATED - 1 :] == along[: len(along) - REPEATED + 1]]
+    if len(repeated) == 0:
+        return cloud
+    places, counts = np.unique(sample[np.isin(sample[:, 0], repeated)], axis=0, return_counts=True)
     often = np.argsort(-counts, kind="stable")[:MOST_REPEATED]
-    lost = []
-    for value in values[often[counts[often] >= REPEATED]].tolist():
-        rows = np.flatnonzero(cloud.points[:, 0] == value)
-        _, first, copies = np.unique(cloud.points[rows], axis=0, return_index=True, return_inverse=True)
-        many = np.bincount(copies) >= REPEATED
-        again = many[copies]
-        again[first] = False
-        lost.append(rows[again])
-    gone = np.concatenate(lost) if lost else np.empty(0, dtype=np.intp)
-    return cloud.without(gone) if len(gone) else cloud
-
-
-def _outside(points: FloatArray, low: FloatArray, high: FloatArray) -> IntArray:
-    """Rows of `points` (n, 3) outside a box; many points are compared as one long row, which is faster."""
-    whole = len(points) - len(points) % ROW
-    long = points[:whole].reshape(-1, 3 * ROW)
-    if not ((long < np.tile(low, ROW)) | (long > np.tile(high, ROW))).any():
-        rest = points[whole:]
-        return whole + np.flatnonzero(((rest < low) | (rest > high)).any(axis=1))
-    return np.flatnonzero(((points < low) | (points > high)).any(axis=1))
+    again = [
+        np.flatnonzero((cloud.points == place).all(axis=1))[1:] for place in places[often[counts[often] >= REPEATED]]
+    ]
+    return cloud.without(np.concatenate(again)) if again else cloud
 
 
 def lonely(points: FloatArray, cell_m: float) -> BoolArray:

@@ -11,7 +11,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
+from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.kernels.points import near
 from flatgrasp_cli.model import SENSOR_FROM_TF, UP_UNTOLD, Cloud, CloudWarning, Sensor
 from flatgrasp_cli.model.clouds import LARGEST_COORDINATE_M
 from flatgrasp_cli.sensor.frame_names import has_z_up
@@ -46,7 +47,7 @@ def located(cloud: Cloud, up: tuple[float, float, float] | None, seed: int) -> C
     if sensor is None and len(cloud.points) < LEAST_POINTS:  # which nothing can be grasped of
         sensor = Sensor("assumed", np.zeros(3)) if cloud.viewpoint is None else Sensor("viewpoint", cloud.viewpoint)
     elif sensor is None:
-        invalid = _rows_at(cloud.points, np.zeros(3))  # if a camera at the origin it is
+        invalid = near(cloud.points, np.zeros(3), NEAREST_M)  # if a camera at the origin it is
         some = 0 < len(invalid) <= len(cloud.points) - LEAST_POINTS
         points = np.delete(cloud.points, invalid, axis=0) if some else cloud.points
         sensor, warnings = _found(cloud, upward, Surface.of(points, rng))
@@ -186,11 +187,5 @@ def _without_sensor_itself(cloud: Cloud) -> Cloud:
     position = None if cloud.sensor is None else cloud.sensor.position
     if position is None:
         return cloud
-    lost = _rows_at(cloud.points, position)
+    lost = near(cloud.points, position, NEAREST_M)
     return cloud.without(lost) if len(lost) else cloud
-
-
-def _rows_at(points: FloatArray, place: FloatArray) -> IntArray:
-    """Rows of `points` (n, 3) that are no farther from a place (3,) than a sensor sees nothing."""
-    near = np.flatnonzero(np.abs(points[:, 0] - place[0]) < NEAREST_M)
-    return np.asarray(near[np.linalg.norm(points[near] - place, axis=1) < NEAREST_M])

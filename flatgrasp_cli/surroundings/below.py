@@ -111,13 +111,8 @@ def under_palm(
     beside_m += 0.5 * chart.cell_m
     across = 0.5 * gripper.hand_width_m + beside_m
     along = 0.5 * breadth_m(gripper, openings) + beside_m
-    tall = chart.higher_than(least_m)
-    x, y, _ = tall.T
-    reach = across + float(along.max())
-    (left, low), (right, high) = middle.min(axis=0) - reach, middle.max(axis=0) + reach
-    tall = tall[(x > left) & (x < right) & (y > low) & (y < high)]
-    tall = tall[np.argsort(-tall[:, 2], kind="stable")]
-    return kernels.under_palm(np.column_stack([middle, grasps.axis]), tall, across, along)
+    hands = np.column_stack([middle, grasps.axis])
+    return kernels.under_palm(hands, chart.heights, _grid(chart), least_m, across, along)
 
 
 def _grid(chart: HeightMap) -> FloatArray:

@@ -12,10 +12,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
+from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.geometry.lines import fitted_lines
 from flatgrasp_cli.geometry.polygon import dot
+from flatgrasp_cli.kernels import flanks as kernels
 from flatgrasp_cli.model import FingerCandidates
 from flatgrasp_cli.surroundings.envelope import Envelope
 from flatgrasp_cli.surroundings.maps import NOISE_M, HeightMaps
@@ -48,9 +49,14 @@ def unseen_beyond(fingers: FingerCandidates, envelope: Envelope, level_m: float)
 
     Metres; 0 where it was seen to end. The first cell is the silhouette's own uncertainty.
     """
-    out = _places(envelope.lowest)
-    may = envelope.may_reach(level_m, *pad_places(fingers, -out, ALONG_PAD)).mean(axis=1) > 0.5
-    far = np.logical_and.accumulate(may[1:], axis=0).sum(axis=0)
+    out, far = _places(envelope.lowest), np.zeros(len(fingers), dtype=np.intp)
+
+    def may(rows: IntArray, out: FloatArray) -> BoolArray:
+        places = pad_places(fingers.select(rows), -out, ALONG_PAD)
+        return np.asarray(envelope.may_reach(level_m, *places).mean(axis=1) > 0.5)
+
+    begins = np.flatnonzero(may(np.arange(len(fingers)), out[1:2])[0])  # most sides were seen to end
+    far[begins] = 1 + np.logical_and.accumulate(may(begins, out[2:]), axis=0).sum(axis=0)
     return np.where(far > 0, (1 + far) * envelope.lowest.cell_m, 0.0)
 
 
@@ -98,29 +104,8 @@ def _flank(inward: FloatArray, heights: FloatArray, slope: FloatArray) -> FloatA
     at which it agrees best with the heights. The answer is 0 where a plane top that ends at an edge agrees better, or
     within the heights' noise. Behind its top an ellipse falls again or, if it is broad enough, goes over into a level.
     """
-    known = np.isfinite(heights)
-    top = np.where(known, heights, 0.0).max(axis=0)
-    half = 0.5 * np.maximum(top, 1e-9)
-    edge, rise = fitted_lines(inward[1:], heights[1:].T)
-    least = _strays(heights, known, edge + rise * inward[:, None])
-    uneven = least > NOISE_M**2 / len(ALONG_PAD) * known.sum(axis=0)
-    extent = np.zeros(len(top))
-    for ahead in inward:
-        ratio = slope * ahead / half
-        u = np.sqrt(0.5 * ratio * (np.sqrt(ratio**2 + 4) - ratio))
-        axis = ahead / np.maximum(u, 1e-9)
-        from_top = (ahead - inward[:, None]) / axis
-        level = np.maximum(from_top, 0.0)
-        for way in (from_top, level) if ahead >= LIMB_M else (from_top,):
-            strays = _strays(heights, known, half * (1 + np.sqrt(np.maximum(1 - way**2, 0.0))))
-            better = (strays < least) & uneven & (slope > 0)
-            least, extent = np.where(better, strays, least), np.where(better, axis * (1 - u), extent)
-    return extent
-
-
-def _strays(heights: FloatArray, known: BoolArray, model: FloatArray) -> FloatArray:
-    """Sum (m,) of the squares by which `known` heights (d, m) differ from a model's; the edge blurs the first."""
-    return np.asarray((np.where(known, heights - model, 0.0)[1:] ** 2).sum(axis=0))
+    uneven = NOISE_M**2 / len(ALONG_PAD)
+    return kernels.going_on(inward, np.ascontiguousarray(heights), slope, LIMB_M, uneven)
 
 
 def _with_neighbours(fingers: FingerCandidates, extent: FloatArray) -> FloatArray:
@@ -128,9 +113,7 @@ def _with_neighbours(fingers: FingerCandidates, extent: FloatArray) -> FloatArra
 
     At a corner of the shadow a profile runs off the object's side, and tells nothing.
     """
-    near = np.linalg.norm(fingers.contact[:, None] - fingers.contact, axis=2) <= fingers.width[:, None]
-    alike = fingers.direction @ fingers.direction.T > 0
-    return np.asarray(np.where(near & alike, extent, 0.0).max(axis=1, initial=0.0))
+    return kernels.most_nearby(extent, fingers.contact, fingers.direction, fingers.width)
 
 
 def _limb_slope(fingers: FingerCandidates, limb: FloatArray, viewpoint: FloatArray) -> FloatArray:

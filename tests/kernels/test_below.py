@@ -37,9 +37,24 @@ def test_compiled_and_as_written_they_find_the_same(seed: int) -> None:
     assert np.array_equal(below.under_fingers(*fingers), twin.under_fingers(*fingers))
     tips = (where, FINGERS, np.array([0.002, 0.006]), rest, GRID)
     assert np.array_equal(below.under_tips(*tips), twin.under_tips(*tips))
-    tall = np.column_stack([rng.uniform(-0.05, 0.05, (30, 2)), np.linspace(0.2, 0.1, 30)])
-    palm = (np.ascontiguousarray(where[:, :4]), tall, 0.03, rng.uniform(0, 0.05, (2, 4)))
-    assert np.array_equal(below.under_palm(*palm), twin.under_palm(*palm))
+    palm = (np.ascontiguousarray(where[:, :4]), highest, GRID, 0.05, 0.03, rng.uniform(0, 0.05, (2, 4)))
+    found = below.under_palm(*palm)
+    assert np.array_equal(found, twin.under_palm(*palm))
+    assert np.array_equal(found, plain_palm(*palm))
+
+
+def plain_palm(
+    hands: FloatArray, heights: FloatArray, grid: FloatArray, least: float, across: float, along: FloatArray
+) -> FloatArray:
+    """The highest of all cells below each palm."""
+    x, y = (grid[axis] + grid[2] * (np.arange(heights.shape[axis]) + 0.5) for axis in (0, 1))
+    found = np.full(along.shape, -np.inf)
+    for hand, (cx, cy, ux, uy) in enumerate(hands):
+        dx, dy = x[:, None] - cx, y - cy
+        beside = (np.abs(dy * ux - dx * uy) <= across) & (heights > least)
+        for row, reach in enumerate(along[:, hand]):
+            found[row, hand] = heights[beside & (np.abs(dx * ux + dy * uy) <= reach)].max(initial=-np.inf)
+    return found
 
 
 def test_a_place_on_the_edge_of_two_cells_is_in_the_farther_one() -> None:

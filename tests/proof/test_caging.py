@@ -10,11 +10,9 @@ import shapely
 from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import connected_components
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.proof.caging import contact_space, immobilising_grasps, merge_tree
+from flatgrasp_cli.proof.caging import contact_space, immobilising_grasps
 from flatgrasp_cli.proof.caging.boundary import Boundary
 from flatgrasp_cli.proof.caging.contact_space import Caging, squeezing
 from flatgrasp_cli.proof.caging.limits import Limits, limits
@@ -238,11 +236,3 @@ def test_levels_agree_with_the_scalar_twin(seed: int) -> None:
     )
     levels = np.maximum(direct.escape[caging.basins.of_node], caging.land.birth)
     assert levels == pytest.approx(by_hand_kruskal(boundary), abs=EXACT)
-
-
-@given(st.integers(1, 60).flatmap(lambda k: st.lists(st.integers(0, k - 1), min_size=k, max_size=k)))
-def test_parts_of_a_graph_are_scipys(ways: list[int]) -> None:
-    k = len(ways)
-    graph = csr_matrix((np.ones(k), ways, np.arange(k + 1)), shape=(k, k))
-    _, expected = connected_components(graph, directed=False)
-    assert merge_tree._components(np.array(ways)).tolist() == expected.tolist()

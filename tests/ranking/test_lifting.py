@@ -17,7 +17,7 @@ def needs(
 ) -> tuple[float, float]:
     load = Load(np.array([mass_kg]), np.array([[arm_mm * MM]]), np.array([beyond_mm * MM]))
     found = friction_to_lift(load, force_n, pads, 100 * MM)
-    return float(found.weight[0, 0]), float(found.turning[0, 0])
+    return float(found.weight[0]), float(found.turning[0, 0])
 
 
 def test_two_pads_bear_the_weight_and_half_as_much_again() -> None:

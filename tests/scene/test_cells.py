@@ -7,19 +7,21 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flatgrasp_cli.geometry.frames import frame_on_plane
+from flatgrasp_cli.geometry.frames import Frame, frame_on_plane
 from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.scene.cells import SortedPoints, fitting_cell_m, smoothed
 
 
 def test_cells_add_up_what_falls_into_them() -> None:
-    points = np.array([[0.0, 0.0], [0.004, 0.004], [0.012, 0.0], [0.0, 0.025]])
-    raster = Raster.over(points.min(axis=0), points.max(axis=0), 0.01)
-    found = SortedPoints.of(raster, raster.cells(*points.T))
+    points = np.array([[0.0, 0.0, 1.0], [0.004, 0.004, 3.0], [0.012, 0.0, 5.0], [0.0, 0.025, 9.0], [0.0, 0.0, -1.0]])
+    raster = Raster.over(points[:, :2].min(axis=0), points[:, :2].max(axis=0), 0.01)
+    aside = np.array([[0.0, 0.5, 2.0]])
+    found = SortedPoints.of(np.concatenate([points, aside]), Frame(np.zeros(3), np.eye(3)), raster, (0.0, 7.0))
+    assert found.heights.tolist() == [1.0, 3.0, 5.0, 7.0, -1.0, 2.0]
+    assert found.cell[4:].tolist() == [0, 0]
     assert found.count[1:3, 1:4].sum() == found.count.sum() == 4  # two by three cells, and a rim
-    total = found.total(np.array([1.0, 3.0, 5.0, 7.0]))
-    assert (total[1, 1], total[2, 1], total[1, 3]) == (4.0, 5.0, 7.0)
-    assert total.sum() == 16.0
+    assert (found.total[1, 1], found.total[2, 1], found.total[1, 3]) == (4.0, 5.0, 7.0)
+    assert found.total.sum() == 16.0
 
 
 def test_cells_hold_a_few_points_each() -> None:

@@ -10,13 +10,10 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.polygon import cross, dot
+from flatgrasp_cli.kernels.rays import first_hits, met
 
 TANGENT = 1e-9
 """Sine below which a direction counts as along an edge."""
-PARALLEL = 1e-200
-"""Lines that slant by less never meet, in a number that a double holds."""
-MAX_CELLS = 20_000
-"""Moves × edges worked on at once: as much as stays in a processor's cache."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,28 +76,7 @@ class Boundary:
         Infinity where nothing is met. The edges `skip` (m, s) do not count: those that the points lie on. A move that
         touches a vertex and no more passes or stops there; both are right, for it can do both.
         """
-        distance, edge = np.empty(len(origin)), np.empty(len(origin), dtype=np.intp)
-        size = max(1, MAX_CELLS // len(self))
-        for first in range(0, len(origin), size):
-            part = slice(first, first + size)
-            ahead, crosses = self._crossings(origin[part], direction[part])
-            ahead[~crosses | (ahead <= 0)] = np.inf
-            np.put_along_axis(ahead, skip[part], np.inf, axis=1)
-            edge[part] = ahead.argmin(axis=1)
-            distance[part] = np.take_along_axis(ahead, edge[part, None], axis=1)[:, 0]
-        return distance, edge
-
-    def _crossings(self, origin: FloatArray, direction: FloatArray) -> tuple[FloatArray, BoolArray]:
-        """Where (m, n) the lines through `origin` along unit `direction` (m, 2) meet the edges' lines, and if in them.
-
-        An edge is met when exactly one end lies strictly left of the line, so that a vertex on it counts once.
-        """
-        (ox, oy), (ux, uy) = origin.T[:, :, None], direction.T[:, :, None]
-        (ax, ay), (ex, ey) = self.start.T, self.edge.T
-        left = ux * ay - uy * ax > ux * oy - uy * ox
-        crosses = left != left[:, self.follow]
-        slant = ux * ey - uy * ex
-        return ((ax - ox) * ey - (ay - oy) * ex) / np.where(np.abs(slant) < PARALLEL, 1.0, slant), crosses
+        return first_hits(self.start, self.edge, self.follow, np.column_stack([origin, direction]), skip)
 
     def grips(self, points: FloatArray, outward: bool = False) -> tuple[IntArray, FloatArray, FloatArray]:
         """Edges that two fingers first meet when they move straight toward each other, or `outward` apart.
@@ -113,29 +89,10 @@ class Boundary:
         apart = points[:, 1] - points[:, 0]
         sigma = np.linalg.norm(apart, axis=1)
         direction = apart / np.where(sigma > 0, sigma, 1.0)[:, None]
-        where, crosses = self._crossings(points[:, 0], direction)
-        entering = direction @ self.normal.T < 0
-        first = _met(where, crosses, entering if not outward else ~entering, forward=not outward)
-        second = _met(sigma[:, None] - where, crosses, ~entering if not outward else entering, forward=not outward)
-        edges = np.stack([first[0], second[0]], axis=1)
-        at = np.stack([first[1], sigma - second[1]], axis=1)
+        lines, way = np.column_stack([points[:, 0], direction]), -1.0 if outward else 1.0
+        outline = self.start, self.edge, self.follow, lines
+        one, other = met(*outline, np.zeros(len(lines)), way, -way), met(*outline, sigma, -way, way)
+        edges, (at, depth) = np.stack([one[0], other[0]], axis=1), np.stack([one[1], other[1]], axis=2)
         if not outward:  # nothing stands between the two
             edges[(at[:, 0] > at[:, 1]) | (edges < 0).any(axis=1)] = -1
-        return edges, at, np.stack([first[2], second[2]], axis=1)
-
-
-def _met(
-    where: FloatArray, crosses: BoolArray, facing: BoolArray, *, forward: bool
-) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Edge (m,), place (m,) and depth (m,) at which movers at 0, going to +∞ or to −∞, meet a `facing` (m, n) edge."""
-    ahead = where if forward else -where
-    inside = (crosses & (ahead > 0)).sum(axis=1) % 2 == 1
-    facing = crosses & facing
-    behind = np.where(facing & (ahead <= 0), -ahead, np.inf)
-    before = np.where(facing & (ahead > 0), ahead, np.inf)
-    distance = np.where(inside[:, None], behind, before)
-    edge = distance.argmin(axis=1)
-    least = np.take_along_axis(distance, edge[:, None], axis=1)[:, 0]
-    signed = np.where(inside, -least, least)
-    place = signed if forward else -signed
-    return np.where(np.isfinite(least), edge, -1), place, np.where(inside & np.isfinite(least), least, 0.0)
+        return edges, at, depth

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
+from flatgrasp_cli.kernels.flood import flooded
 from flatgrasp_cli.scene.cells import LEAST_CELL_M, POINTS_PER_CELL
 from flatgrasp_cli.scene.parting.joints import CORE_CELLS, held_together
 from flatgrasp_cli.scene.parting.seams import color_seam_cells, seam_cells, surface_normals
@@ -135,20 +136,8 @@ def _flooded(grid: ViewGrid, names: IntArray, normals: FloatArray) -> IntArray:
     Of its neighbours a cell joins the one whose plane, by `normals` (3, rows, columns) from beyond the seam, it lies
     nearest to.
     """
+    waiting = np.flatnonzero(grid.known.ravel() & (names.ravel() == 0))
+    steps = np.array([down * names.shape[1] + right for down, right in SIDES])
+    smooth = np.stack([grid.smooth_to(side).ravel() for side in SIDES]).view(np.uint8)
     places = grid.places().reshape(3, -1)
-    flat, turned = names.ravel().copy(), normals.reshape(3, -1).copy()
-    sides = [(down * names.shape[1] + right, grid.smooth_to((down, right)).ravel()) for down, right in SIDES]
-    waiting = np.flatnonzero(grid.known.ravel() & (flat == 0))
-    while True:
-        nearest, least = np.full(len(waiting), -1), np.full(len(waiting), np.inf)
-        for offset, smooth in sides:
-            there = waiting + offset
-            off = np.abs(((places[:, waiting] - places[:, there]) * turned[:, there]).sum(axis=0))
-            closer = (flat[there] > 0) & smooth[waiting] & (off < least)
-            nearest[closer], least[closer] = there[closer], off[closer]
-        joined = nearest >= 0
-        if not joined.any():
-            return flat.reshape(names.shape)
-        own, from_there = waiting[joined], nearest[joined]
-        flat[own], turned[:, own] = flat[from_there], turned[:, from_there]
-        waiting = waiting[~joined]
+    return flooded(names.ravel(), waiting, steps, smooth, places, normals.reshape(3, -1)).reshape(names.shape)

@@ -6,7 +6,8 @@ import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray
-from flatgrasp_cli.scene.parting.view_grid import REACH_CELLS, Step, ViewGrid, neighbours, shifted
+from flatgrasp_cli.kernels import view as kernels
+from flatgrasp_cli.scene.parting.view_grid import REACH_CELLS, Step, ViewGrid, shifted
 
 LINES: tuple[Step, ...] = ((0, 1), (1, 0), (1, 1), (1, -1))
 LEAST_NEIGHBOURS = 3
@@ -19,16 +20,9 @@ def seam_cells(grid: ViewGrid, normals: FloatArray, has_normal: BoolArray, seam_
     With normals n1, n2 at places x1, x2 on both sides, (n2 − n1) · (x2 − x1) / |x2 − x1| is 2 sin(β/2) for a bend by β,
     positive where the surface is convex.
     """
-    places, sharpest = grid.places(), np.zeros(grid.known.shape)
-    for line in LINES:
-        ahead = (REACH_CELLS * line[0], REACH_CELLS * line[1])
-        back = (-ahead[0], -ahead[1])
-        both = grid.smooth_to(ahead) & grid.smooth_to(back)
-        both &= shifted(has_normal, ahead) & shifted(has_normal, back)
-        way = shifted(places, ahead) - shifted(places, back)
-        turn = shifted(normals, ahead) - shifted(normals, back)
-        length = np.maximum(np.sqrt((way**2).sum(axis=0)), 1e-9)
-        sharpest = np.where(both, np.minimum(sharpest, (turn * way).sum(axis=0) / length), sharpest)
+    sharpest = kernels.sharpest_bends(
+        grid.places(), normals, has_normal.view(np.uint8), grid.depth, grid.jump_m, REACH_CELLS
+    )
     return np.asarray(sharpest < -2 * np.sin(np.radians(0.5 * seam_deg)))
 
 
@@ -51,31 +45,6 @@ def color_seam_cells(grid: ViewGrid, colors: ByteArray, least: float) -> BoolArr
 
 
 def surface_normals(grid: ViewGrid) -> tuple[FloatArray, BoolArray]:
-    """Unit normals (3, rows, columns) toward the sensor, by planes through 3 × 3 cells, and where there are any.
-
-    A plane a·X = 1 has the inverse depth a·(x, y, 1) in the image, which is fitted by least squares.
-    """
-    inverse = np.where(grid.known, 1.0 / np.where(grid.known, grid.depth, 1.0), 0.0)
-    x, y = np.where(grid.known, grid.x, 0.0), np.where(grid.known, grid.y, 0.0)
-    values = np.stack([x, y, inverse])
-    count, sums = grid.known.astype(np.float64), np.zeros((8, *grid.known.shape))
-    for step in neighbours():
-        seen = grid.smooth_to(step)
-        count += seen
-        du, dv, dw = off = (shifted(values, step) - values) * seen
-        sums[:3] += off
-        sums[3] += du * du
-        sums[4:6] += dv * off[:2]
-        sums[6:] += dw * off[:2]
-    u, v, w, uu, uv, vv, uw, vw = sums
-    count = np.maximum(count, 1.0)
-    uu, uv, vv = uu - u * u / count, uv - u * v / count, vv - v * v / count
-    uw, vw = uw - u * w / count, vw - v * w / count
-    spread = uu * vv - uv * uv
-    has_normal = grid.known & (count > LEAST_NEIGHBOURS) & (spread > 1e-3 * (uu + vv) ** 2)
-    spread = np.where(has_normal, spread, 1.0)
-    along_x, along_y = (uw * vv - vw * uv) / spread, (vw * uu - uw * uv) / spread
-    level = inverse + (w - along_x * u - along_y * v) / count - along_x * x - along_y * y
-    normals = -np.stack([along_x, along_y, level])
-    length = np.maximum(np.sqrt((normals**2).sum(axis=0)), 1e-12)
-    return normals / length, np.asarray(has_normal)
+    """Unit normals (3, rows, columns) toward the sensor, by planes through 3 × 3 cells, and where there are any."""
+    normals = kernels.normals(grid.x, grid.y, grid.depth, grid.jump_m, LEAST_NEIGHBOURS)
+    return normals, np.asarray(normals.any(axis=0))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.raster import Raster
+from flatgrasp_cli.kernels import view as kernels
 from flatgrasp_cli.scene.support_plane import SIGMAS
 
 LOST_DEG = 15.0
@@ -68,12 +69,8 @@ class ViewGrid:
         cell_m = raster.cell_m * distance
         cell = raster.cells(x, y)
         jump_m = cell_m / np.tan(np.radians(LOST_DEG)) + SIGMAS * noise_m
-        nearest = np.full(raster.size, np.inf)
-        np.minimum.at(nearest, cell, point_depth)
-        front = np.flatnonzero(point_depth < nearest[cell] + jump_m)
-        x, y, depth, height = (
-            raster.mean(cell[front], values[front], np.inf) for values in (x, y, point_depth, heights)
-        )
+        values = np.stack([point_depth, x, y, heights])
+        depth, x, y, height = kernels.nearest_means(values, cell, raster.size, jump_m).reshape(4, *raster.shape)
         return cls(
             x=x,
             y=y,
@@ -88,10 +85,7 @@ class ViewGrid:
 
     def smooth_to(self, step: Step) -> BoolArray:
         """Whether (rows, columns) the surface goes on, without a jump, from a cell to the one so many further."""
-        there = shifted(self.depth, step)
-        with np.errstate(invalid="ignore"):
-            apart = np.abs(there - self.depth)
-        return np.asarray(apart < np.hypot(*step) * self.jump_m)
+        return kernels.smooth_to(self.depth, *step, self.jump_m)
 
     def of_points(self, values: IntArray) -> IntArray:
         """`values` (rows, columns) for each of the points (n,): of its cell, or of that beside it which is as deep.

@@ -1,0 +1,138 @@
+"""How far from points of the plane their neighbours lie."""
+
+from __future__ import annotations
+
+import math
+
+import cython
+import numpy as np
+from cython.cimports.libc.math import sqrt
+from numpy.typing import NDArray
+
+INFINITY = cython.declare(cython.double, math.inf)
+POINTS_PER_CELL = cython.declare(cython.double, 3.0)
+"""Points in a cell of the grid in which neighbours are looked for: it decides how long that takes, and nothing else."""
+
+
+def squared_reach(
+    points: cython.float[:, ::1], chosen: cython.Py_ssize_t[::1], count: cython.Py_ssize_t
+) -> NDArray[np.float32]:
+    """Square (m,) of how far from each of the `chosen` (m,) `points` (n, 2) the farthest of its nearest `count` lies.
+
+    The point itself is one of them.
+    """
+    index: cython.Py_ssize_t
+    row: cython.Py_ssize_t
+    column: cython.Py_ssize_t
+    ring: cython.Py_ssize_t
+    grid: cython.double[::1] = _grid(points)
+    rows: cython.Py_ssize_t = cython.cast(cython.Py_ssize_t, grid[3])
+    columns: cython.Py_ssize_t = cython.cast(cython.Py_ssize_t, grid[4])
+    begin: cython.Py_ssize_t[::1] = np.zeros(rows * columns + 1, dtype=np.intp)
+    places: cython.float[:, ::1] = np.empty((points.shape[0], 2), dtype=np.float32)
+    _sort(points, grid, begin, places)
+    nearest: cython.float[::1] = np.empty(count, dtype=np.float32)
+    found = np.empty(chosen.shape[0], dtype=np.float32)
+    answer: cython.float[::1] = found
+    for index in range(chosen.shape[0]):
+        x: cython.float = points[chosen[index], 0]
+        y: cython.float = points[chosen[index], 1]
+        row = cython.cast(cython.Py_ssize_t, (x - grid[0]) / grid[2])
+        column = cython.cast(cython.Py_ssize_t, (y - grid[1]) / grid[2])
+        for ring in range(count):
+            nearest[ring] = INFINITY
+        for ring in range(max(rows, columns)):
+            _around(places, begin, grid, row, column, ring, x, y, nearest)
+            if nearest[count - 1] <= (ring * grid[2]) ** 2:  # all that is nearer lies in these rings
+                break
+        answer[index] = nearest[count - 1]
+    return found
+
+
+@cython.cfunc
+def _grid(points: cython.float[:, ::1]) -> cython.double[::1]:
+    """A grid over the points: where it begins, the size of its cells, and how many rows and columns there are (5,)."""
+    point: cython.Py_ssize_t
+    count: cython.double = points.shape[0]
+    grid: cython.double[::1] = np.array([INFINITY, INFINITY, 0.0, 1.0, 1.0])
+    high_x: cython.double = -INFINITY
+    high_y: cython.double = -INFINITY
+    for point in range(points.shape[0]):
+        grid[0], high_x = min(grid[0], points[point, 0]), max(high_x, points[point, 0])
+        grid[1], high_y = min(grid[1], points[point, 1]), max(high_y, points[point, 1])
+    wide: cython.double = high_x - grid[0]
+    long: cython.double = high_y - grid[1]
+    grid[2] = max(sqrt(POINTS_PER_CELL * wide * long / count), max(wide, long) / count)
+    if grid[2] <= 0:
+        grid[2] = 1.0
+    grid[3] = 1.0 + cython.cast(cython.Py_ssize_t, wide / grid[2])
+    grid[4] = 1.0 + cython.cast(cython.Py_ssize_t, long / grid[2])
+    return grid
+
+
+@cython.cfunc
+def _sort(
+    points: cython.float[:, ::1],
+    grid: cython.double[::1],
+    begin: cython.Py_ssize_t[::1],
+    places: cython.float[:, ::1],
+) -> cython.void:
+    """Write the points into `places` cell by cell, and where each cell's `begin`."""
+    point: cython.Py_ssize_t
+    cell: cython.Py_ssize_t
+    cells: cython.Py_ssize_t[::1] = np.empty(points.shape[0], dtype=np.intp)
+    columns: cython.Py_ssize_t = cython.cast(cython.Py_ssize_t, grid[4])
+    for point in range(points.shape[0]):
+        cell = columns * cython.cast(cython.Py_ssize_t, (points[point, 0] - grid[0]) / grid[2])
+        cell += cython.cast(cython.Py_ssize_t, (points[point, 1] - grid[1]) / grid[2])
+        cells[point] = cell
+        begin[cell + 1] += 1
+    for cell in range(begin.shape[0] - 1):
+        begin[cell + 1] += begin[cell]
+    for point in range(points.shape[0] - 1, -1, -1):  # each cell from its end on, which then is its begin
+        cell = cells[point]
+        begin[cell + 1] -= 1
+        places[begin[cell + 1], 0], places[begin[cell + 1], 1] = points[point, 0], points[point, 1]
+    for cell in range(begin.shape[0] - 1):
+        begin[cell] = begin[cell + 1]
+    begin[begin.shape[0] - 1] = points.shape[0]
+
+
+@cython.cfunc
+def _around(
+    places: cython.float[:, ::1],
+    begin: cython.Py_ssize_t[::1],
+    grid: cython.double[::1],
+    row: cython.Py_ssize_t,
+    column: cython.Py_ssize_t,
+    ring: cython.Py_ssize_t,
+    x: cython.float,
+    y: cython.float,
+    nearest: cython.float[::1],
+) -> cython.void:
+    """Sort the squared distances of the points in the cells of a ring into those of the `nearest`."""
+    down: cython.Py_ssize_t
+    right: cython.Py_ssize_t
+    point: cython.Py_ssize_t
+    rank: cython.Py_ssize_t
+    rows: cython.Py_ssize_t = cython.cast(cython.Py_ssize_t, grid[3])
+    columns: cython.Py_ssize_t = cython.cast(cython.Py_ssize_t, grid[4])
+    last: cython.Py_ssize_t = nearest.shape[0] - 1
+    for down in range(max(row - ring, 0), min(row + ring, rows - 1) + 1):
+        step: cython.Py_ssize_t = 1 if down == row - ring or down == row + ring or ring == 0 else 2 * ring
+        right = column - ring - step
+        while right < column + ring:
+            right += step
+            if right < 0 or right >= columns:
+                continue
+            for point in range(begin[down * columns + right], begin[down * columns + right + 1]):
+                dx: cython.float = places[point, 0] - x
+                dy: cython.float = places[point, 1] - y
+                square: cython.float = dx * dx + dy * dy
+                rank = last
+                if square >= nearest[rank]:
+                    continue
+                while rank > 0 and nearest[rank - 1] > square:
+                    nearest[rank] = nearest[rank - 1]
+                    rank -= 1
+                nearest[rank] = square

@@ -1,0 +1,83 @@
+"""What is asked of all the points of a frame: one pass over them, and nothing is written unless it is an answer."""
+
+from __future__ import annotations
+
+import cython
+import numpy as np
+from cython.cimports.libc.math import sqrt
+from numpy.typing import NDArray
+
+
+def not_measured(
+    points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
+    farthest: cython.double,
+) -> NDArray[np.intp]:
+    """Rows of `points` (n, 3) that are not finite, exactly 0 0 0, or have a coordinate beyond ±`farthest`."""
+    row: cython.Py_ssize_t
+    found: cython.Py_ssize_t = 0
+    rows = np.empty(0, dtype=np.intp)
+    lost: cython.Py_ssize_t[::1] = rows
+    for row in range(points.shape[0]):
+        x: cython.double = points[row, 0]
+        y: cython.double = points[row, 1]
+        z: cython.double = points[row, 2]
+        measured: cython.bint = abs(x) <= farthest and abs(y) <= farthest and abs(z) <= farthest  # false for NaN, too
+        if not measured or (x == 0 and y == 0 and z == 0):
+            if found == 0:
+                rows = np.empty(points.shape[0], dtype=np.intp)
+                lost = rows
+            lost[found] = row
+            found += 1
+    some: NDArray[np.intp] = rows[:found]
+    return some
+
+
+def outside(
+    points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
+    low: cython.double[::1],
+    high: cython.double[::1],
+) -> NDArray[np.intp]:
+    """Rows of `points` (n, 3) outside the box between `low` and `high` (3,)."""
+    row: cython.Py_ssize_t
+    axis: cython.Py_ssize_t
+    found: cython.Py_ssize_t = 0
+    rows = np.empty(0, dtype=np.intp)
+    lost: cython.Py_ssize_t[::1] = rows
+    for row in range(points.shape[0]):
+        within: cython.bint = True
+        for axis in range(3):
+            within = within and low[axis] <= points[row, axis] <= high[axis]
+        if not within:
+            if found == 0:
+                rows = np.empty(points.shape[0], dtype=np.intp)
+                lost = rows
+            lost[found] = row
+            found += 1
+    some: NDArray[np.intp] = rows[:found]
+    return some
+
+
+def near(
+    points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
+    place: cython.double[::1],
+    distance: cython.double,
+) -> NDArray[np.intp]:
+    """Rows of `points` (n, 3) that are nearer than a `distance` to a `place` (3,)."""
+    row: cython.Py_ssize_t
+    found: cython.Py_ssize_t = 0
+    rows = np.empty(0, dtype=np.intp)
+    close: cython.Py_ssize_t[::1] = rows
+    for row in range(points.shape[0]):
+        x: cython.double = points[row, 0] - place[0]
+        if abs(x) >= distance:
+            continue
+        y: cython.double = points[row, 1] - place[1]
+        z: cython.double = points[row, 2] - place[2]
+        if sqrt(x * x + y * y + z * z) < distance:
+            if found == 0:
+                rows = np.empty(points.shape[0], dtype=np.intp)
+                close = rows
+            close[found] = row
+            found += 1
+    some: NDArray[np.intp] = rows[:found]
+    return some

@@ -1,0 +1,70 @@
+"""A frame's points sorted into the cells of a plane: read once, from coordinates to cells."""
+
+from __future__ import annotations
+
+import cython
+import numpy as np
+from numpy.typing import NDArray
+
+
+def into_cells(
+    points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
+    frame: cython.double[:, ::1],
+    grid: cython.double[::1],
+    shape: cython.Py_ssize_t[::1],
+    limits: cython.double[::1],
+    cell: cython.Py_ssize_t[::1],
+    heights: cython.double[::1],
+) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+    """How many of the `points` (n, 3) each cell holds, and the sum of their heights, (rows, columns) each.
+
+    The rows of the `frame` (3, 4) are the plane's x, y and normal with the origin's place along them; the `grid` (3,)
+    is where its cells begin, and their size, and `shape` (2,) how many there are, rows and columns, with a rim that
+    holds nothing. Written are the flat index `cell` (n,) of each point, 0 for those outside or not above the first of
+    the `limits` (2,), and all `heights` (n,), cut off at the second.
+    """
+    row: cython.Py_ssize_t
+    rows: cython.Py_ssize_t = shape[0]
+    columns: cython.Py_ssize_t = shape[1]
+    count = np.zeros((rows, columns), dtype=np.intp)
+    total = np.zeros((rows, columns))
+    counted: cython.Py_ssize_t[::1] = count.reshape(-1)
+    summed: cython.double[::1] = total.reshape(-1)
+    low_x: cython.double = grid[0] + grid[2]
+    low_y: cython.double = grid[1] + grid[2]
+    high_x: cython.double = grid[0] + grid[2] * (rows - 1)
+    high_y: cython.double = grid[1] + grid[2] * (columns - 1)
+    for row in range(points.shape[0]):
+        px: cython.double = points[row, 0]
+        py: cython.double = points[row, 1]
+        pz: cython.double = points[row, 2]
+        x: cython.double = px * frame[0, 0] + py * frame[0, 1] + pz * frame[0, 2] - frame[0, 3]
+        y: cython.double = px * frame[1, 0] + py * frame[1, 1] + pz * frame[1, 2] - frame[1, 3]
+        height: cython.double = px * frame[2, 0] + py * frame[2, 1] + pz * frame[2, 2] - frame[2, 3]
+        place: cython.Py_ssize_t = 0
+        if low_x <= x < high_x and low_y <= y < high_y and height > limits[0]:
+            place = columns * cython.cast(cython.Py_ssize_t, (x - grid[0]) / grid[2])
+            place += cython.cast(cython.Py_ssize_t, (y - grid[1]) / grid[2])
+        height = min(height, limits[1])
+        cell[row], heights[row] = place, height
+        if place > 0:
+            counted[place] += 1
+            summed[place] += height
+    return count, total
+
+
+def from_above(
+    cell: cython.Py_ssize_t[::1],
+    heights: cython.double[::1],
+    names: cython.Py_ssize_t[::1],
+    owner: cython.Py_ssize_t[::1],
+    highest: cython.double[::1],
+) -> None:
+    """Write the `highest` of the points in each `cell` (n,), by their `heights` (n,), and who owns it, by `names` (n,).
+
+    What the cells (cells,) hold already counts, too; of points as high as each other the last one is seen.
+    """
+    point: cython.Py_ssize_t
+    for point in range(cell.shape[0]):
+        if heights[point] >= highest[cell[point]]:
+            highest[cell[point]], owner[cell[point]] = heights[point], names[point]

@@ -1,0 +1,27 @@
+"""Look-ups in a raster: compiled and as written; places outside are on the rim."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from flatgrasp_cli.geometry.raster import Raster
+from flatgrasp_cli.kernels import looking_up
+from tests.kernels.interpreted import interpreted
+
+
+@given(seed=st.integers(0, 999))
+def test_compiled_and_as_written_they_find_the_same(seed: int) -> None:
+    rng, twin = np.random.default_rng(seed), interpreted("looking_up")
+    raster, values = Raster(np.array([-0.5, -0.3]), 0.1, (9, 7)), rng.uniform(0, 1, (9, 7))
+    x, y = rng.uniform(-1, 1, (2, 30))
+    x[:3], y[3:6] = [np.inf, -np.inf, 0.0], [np.inf, -np.inf, 0.0]
+    where = (x, y, raster.origin, raster.cell_m)
+    cells = looking_up.cells(*where, *raster.shape)
+    assert np.array_equal(cells, twin.cells(*where, *raster.shape))
+    assert np.array_equal(looking_up.over(values, *where), twin.over(values, *where))
+    row = np.clip((x - raster.origin[0]) / raster.cell_m, 0, 8).astype(np.intp)
+    column = np.clip((y - raster.origin[1]) / raster.cell_m, 0, 6).astype(np.intp)
+    assert np.array_equal(cells, 7 * row + column)
+    assert np.array_equal(looking_up.over(values, *where), values[row, column])

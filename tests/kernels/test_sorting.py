@@ -1,0 +1,45 @@
+"""Points sorted into cells: compiled and as written. What they should find, tests/scene/test_cells.py asks for."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from flatgrasp_cli.geometry.frames import frame_on_plane
+from flatgrasp_cli.kernels import sorting
+from tests.kernels.interpreted import interpreted
+
+
+@given(seed=st.integers(0, 999))
+def test_compiled_and_as_written_they_find_the_same(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    normal = rng.normal(size=3)
+    frame = frame_on_plane(normal / np.linalg.norm(normal), 0.1)
+    planes = np.column_stack([frame.axes, frame.axes @ frame.origin])
+    points, grid = rng.uniform(-0.3, 0.3, (50, 3)), np.array([-0.2, -0.25, 0.1])
+    found = []
+    for kernel in (sorting, interpreted("sorting")):
+        cell, heights = np.empty(50, dtype=np.intp), np.empty(50)
+        shape = np.array([4, 6])
+        count, total = kernel.into_cells(points, planes, grid, shape, np.array([-0.1, 0.02]), cell, heights)
+        found.append(np.concatenate([cell, heights, count.ravel(), total.ravel()]))
+        assert count.sum() == np.count_nonzero(cell)
+        assert not count[[0, -1]].any()
+        assert not count[:, [0, -1]].any()
+    assert np.array_equal(found[0], found[1])
+
+
+@given(seed=st.integers(0, 999))
+def test_the_highest_is_seen_from_above(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    cell, heights, names = rng.integers(0, 6, 30), rng.integers(0, 9, 30).astype(np.float64), rng.integers(0, 4, 30)
+    found = []
+    for kernel in (sorting, interpreted("sorting")):
+        owner, highest = np.full(8, -1), np.full(8, -np.inf)
+        kernel.from_above(cell, heights, names, owner, highest)
+        found.append(np.stack([owner, highest]))
+    assert np.array_equal(found[0], found[1])
+    order = np.argsort(heights, kind="stable")  # the highest is written last
+    owner[cell[order]], highest[cell[order]] = names[order], heights[order]
+    assert np.array_equal(found[0], np.stack([owner, highest]))

@@ -1,0 +1,33 @@
+"""Trials of grasps: compiled and as written. What they should find, tests/ranking asks for."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from flatgrasp_cli.kernels import trial
+from tests.kernels.interpreted import interpreted
+
+USUAL = np.array([0.5, 0.4, 0.5, 0.9, 0.05, 0.001])
+
+
+@given(seed=st.integers(0, 999), alone=st.booleans())
+def test_compiled_and_as_written_they_come_to_the_same(seed: int, alone: bool) -> None:
+    rng, shape = np.random.default_rng(seed), (3, 8)
+    met = rng.uniform(0, 0.05, (8, *shape))
+    met[[0, 2]] = rng.random((2, *shape)) < 0.8
+    met[3] *= 20
+    grasps = np.column_stack([rng.uniform(0, 0.05, (3, 3)), rng.uniform(0, 0.3, 3), np.full(3, not alone)])
+    leans = rng.uniform(-0.1, 0.3, (3, 4))
+    samples = np.column_stack([rng.random(8), rng.normal(0, 0.001, 8), rng.uniform(0, 0.5, 8)])
+    inside = (rng.random(shape) < 0.2).view(np.uint8)
+    found = trial.chances(met, grasps, leans, samples, inside, USUAL)
+    assert np.array_equal(found, interpreted("trial").chances(met, grasps, leans, samples, inside, USUAL))
+    assert (np.diff(found, axis=1) <= 1e-12).all()  # what has failed does not come back
+    need = rng.uniform(0, 1, 9)
+    assert np.array_equal(trial.suffices(need, 0.5, 0.4), interpreted("trial").suffices(need, 0.5, 0.4))
+
+
+def test_a_known_friction_is_there_or_not() -> None:
+    assert trial.suffices(np.array([0.49, 0.51]), 0.5, 0.0).tolist() == [1.0, 0.0]
