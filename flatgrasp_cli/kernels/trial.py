@@ -56,10 +56,10 @@ def chances(
     stops the fingertips, the share of them that is dark, the height at which they would end, and the friction that
     turning needs. Of `grasps` (k, 5) are known the height that their pads reach up to, how much of that they cover, how
     far the object goes on out of sight, the tangent by which the line through the contacts is tilted at most, and
-    whether there is a height at all (1, else 0). The tangents of the walls' `leans` (k, h) are those for fingertips that
-    end where they should, and higher by equal shares of the grip. Of `samples` (s, 3) are known how much of what is
-    hidden is there, the walls' error, and the friction that the weight needs. Where a hand is `inside` (k, s) a basin,
-    closing ends in the grasp.
+    whether there is a height at all (1, else 0). The walls' `leans` (k, h) are tangents for fingertips that end where
+    they should, and higher by equal shares of the grip. Of `samples` (s, 3) are known how much of what is hidden is
+    there, the walls' error, and the friction that the weight needs. Where a hand is `inside` (k, s) a basin, closing
+    ends in the grasp.
 
     What is `usual` (6,): friction, the share that it is known to, how often an object is held that a fingertip comes
     down on and one that turns, how often something is in the dark, and the noise of heights.
