@@ -61,8 +61,7 @@ def by_probability(probability: FloatArray, gravity_distance: FloatArray) -> Int
 def estimated(grasps: GraspCandidates, situation: Situation) -> FloatArray:
     """About how probable it is that p grasps hold (p,), without trying them: which of them are worth a trial.
 
-    The hand misses along its closing axis alone, the walls lean as far as they probably do, and the contacts are askew
-    by half of what they may be; weight is left out.
+    The hand misses along its closing axis alone, and the walls lean as far as they probably do; weight is left out.
     """
     settings, gripper = situation.settings, situation.gripper
     unsure, friction = settings.uncertainty.figures, settings.balance.friction_with(gripper)
@@ -70,7 +69,7 @@ def estimated(grasps: GraspCandidates, situation: Situation) -> FloatArray:
     misses = np.sort(np.abs(situation.errors.along))
     beside = np.searchsorted(misses, room, side="right") / len(misses)
     half = 0.5 * np.nan_to_num(grasps.grip, nan=np.inf)
-    leaning = grasps.lean[:, 0] + 0.5 * grasps.askew + unsure.outline_m / half
+    leaning = grasps.lean[:, 0] + unsure.outline_m / half
     need = np.hypot(np.tan(0.5 * np.radians(grasps.force_balance_deg)), leaning)
     rubs = friction_suffices(need, friction, unsure)
     dark = 1 - unsure.occupied_share * np.minimum(np.nan_to_num(grasps.unseen) / gripper.finger_thickness_m, 1.0)

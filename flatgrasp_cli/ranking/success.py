@@ -130,12 +130,7 @@ class Situation:
         below = np.minimum(higher, levels - 1).astype(np.intp)
         rows = np.arange(len(grasps))[:, None]
         known, next_known = grasps.lean[rows, below], grasps.lean[rows, np.minimum(below + 1, levels - 1)]
-        lean = (
-            known
-            + (higher - below) * (next_known - known)
-            + self.errors.luck * grasps.askew[:, None]
-            + noise / np.maximum(0.5 * held, NOISE_M)
-        )
+        lean = known + (higher - below) * (next_known - known) + noise / np.maximum(0.5 * held, NOISE_M)
         return np.where(np.isnan(grasps.grip)[:, None], 0.0, np.maximum(lean, 0.0))
 
     def _load(self, grasps: GraspCandidates, center: FloatArray, axis: FloatArray) -> Load:
