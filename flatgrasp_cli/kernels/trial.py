@@ -54,12 +54,11 @@ def chances(
     What the hands have `met` (8, k, s): whether the open fingers are free (1, else 0), the room between pad and object,
     whether the object is between them, the tangent of the wedge that its sides make, the height at which something
     stops the fingertips, the share of them that is dark, the height at which they would end, and the friction that
-    turning needs. Of `grasps` (k, 5) are known the height that their pads reach up to, how much of that they cover, how
-    far the object goes on out of sight, the tangent by which the line through the contacts is tilted at most, and
-    whether there is a height at all (1, else 0). The walls' `leans` (k, h) are tangents for fingertips that end where
-    they should, and higher by equal shares of the grip. Of `samples` (s, 3) are known how much of what is hidden is
-    there, the walls' error, and the friction that the weight needs. Where a hand is `inside` (k, s) a basin, closing
-    ends in the grasp.
+    turning needs. Of `grasps` (k, 4) are known the height that their pads reach up to, how much of that they cover, how
+    far the object goes on out of sight, and whether there is a height at all (1, else 0). The walls' `leans` (k, h) are
+    tangents for fingertips that end where they should, and higher by equal shares of the grip. Of `samples` (s, 3) are
+    known how much of what is hidden is there, the walls' error, and the friction that the weight needs. Where a hand is
+    `inside` (k, s) a basin, closing ends in the grasp.
 
     What is `usual` (6,): friction, the share that it is known to, how often an object is held that a fingertip comes
     down on and one that turns, how often something is in the dark, and the noise of heights.
@@ -80,10 +79,9 @@ def chances(
             down: cython.double = beside * (1 - usual[4] * met[5, grasp, sample]) if held >= usual[5] else 0.0
             around: cython.double = down if met[2, grasp, sample] != 0 or sure or lands else 0.0
             lean: cython.double = 0.0
-            if grasps[grasp, 4] != 0:
+            if grasps[grasp, 3] != 0:
                 lean = _lean(leans[grasp], 1 - held / max(grasps[grasp, 1], usual[5]))
-                lean += samples[sample, 0] * grasps[grasp, 3] + samples[sample, 1] / max(0.5 * held, usual[5])
-                lean = max(lean, 0.0)
+                lean = max(lean + samples[sample, 1] / max(0.5 * held, usual[5]), 0.0)
             need: cython.double = hypot(0.0 if sure else met[3, grasp, sample], lean)
             closed: cython.double = around * _suffices(need, usual[0], usual[1])
             need = max(need, samples[sample, 2])

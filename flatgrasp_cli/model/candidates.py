@@ -78,8 +78,7 @@ class GraspCandidates:
 
     `hidden` (p, 2) is how far the object probably goes on behind each pad's side, out of sight, and `lean` (p, h) the
     tangents of the angles by which both walls together lean away from upright, half and half: for fingertips where they
-    should end, and for such that end higher by equal shares of the grip. `askew` (p,) is the tangent of the angle at
-    most by which the line through the contacts is tilted besides.
+    should end, and for such that end higher by equal shares of the grip.
 
     C: `gravity_distance`, and the `inside_share` of the grasping line that lies in the object.
 
@@ -111,7 +110,6 @@ class GraspCandidates:
     touch: FloatArray = field(default_factory=_unfilled)
     hidden: FloatArray = field(default_factory=_unfilled)
     lean: FloatArray = field(default_factory=_unfilled)
-    askew: FloatArray = field(default_factory=_unfilled)
     gravity_distance: FloatArray = field(default_factory=_unfilled)
     inside_share: FloatArray = field(default_factory=_unfilled)
     merit: FloatArray = field(default_factory=_unfilled)

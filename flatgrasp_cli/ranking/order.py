@@ -69,7 +69,8 @@ def estimated(grasps: GraspCandidates, situation: Situation) -> FloatArray:
     misses = np.sort(np.abs(situation.errors.along))
     beside = np.searchsorted(misses, room, side="right") / len(misses)
     half = 0.5 * np.nan_to_num(grasps.grip, nan=np.inf)
-    need = np.hypot(np.tan(0.5 * np.radians(grasps.force_balance_deg)), grasps.lean[:, 0] + unsure.outline_m / half)
+    leaning = grasps.lean[:, 0] + unsure.outline_m / half
+    need = np.hypot(np.tan(0.5 * np.radians(grasps.force_balance_deg)), leaning)
     rubs = friction_suffices(need, friction, unsure)
     dark = 1 - unsure.occupied_share * np.minimum(np.nan_to_num(grasps.unseen) / gripper.finger_thickness_m, 1.0)
     return np.asarray(beside * rubs * dark)

@@ -92,7 +92,7 @@ class Situation:
         wedge, turning = np.tan(found.wedge), to_lift.turning.ravel()
         met = np.stack([found.free, found.room, found.between, wedge, stops.height, stops.dark, hands.tip, turning])
         hidden, has_height = grasps.hidden.max(axis=1), ~np.isnan(grasps.grip)
-        known = np.column_stack([grasps.tip + grip_m, grip_m, hidden, grasps.askew, has_height])
+        known = np.column_stack([grasps.tip + grip_m, grip_m, hidden, has_height])
         noise = np.sqrt(0.5) * unsure.outline_m * errors.outline
         samples = np.column_stack([errors.luck, noise, to_lift.weight])
         friction = self.settings.balance.friction_with(self.gripper)

@@ -57,16 +57,6 @@ class _Upright:
         others = (self._lean(grasps, each, of_crests=True) for each in higher)
         return np.maximum.accumulate(np.stack([first, *others]), axis=0).T
 
-    def askew(self, grasps: GraspCandidates) -> FloatArray:
-        """Tangent (p,) of the angle at most by which the line through the contacts is tilted.
-
-        It is none where both pads hold something at the same height. Of one wall only its upper edge may be there, as a
-        plate's rim: then the other one, if it is lower than that, is held below.
-        """
-        found = self.found
-        over = [found.profile[0, one] - found.top[other] for one, other in ((grasps.i, grasps.j), (grasps.j, grasps.i))]
-        return np.asarray(np.maximum(0.0, np.maximum(*over)) / grasps.width)
-
     def _lean(self, grasps: GraspCandidates, tip: FloatArray, *, of_crests: bool) -> FloatArray:
         """The tangents (p,) for fingertips that end at `tip` (p,)."""
         half = 0.5 * np.maximum(self.wall - tip, NOISE_M)
@@ -115,7 +105,6 @@ def descended(
         unseen=unseen[choice, columns],
         touch=np.clip(held.seen, tip, np.maximum(held.wall, tip)),
         lean=held.lean(grasps, tip),
-        askew=held.askew(grasps),
     ).select(kept)
     room = palm_room(grasps, maps.coarse, headroom, gripper, settings.hand)
     grasps = grasps.having(margin=np.minimum(grasps.margin, room), palm_room=room)

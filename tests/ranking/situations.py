@@ -82,7 +82,6 @@ def grasp(width_mm: float, opening_mm: float, **columns: Any) -> GraspCandidates
         "tip": 5 * MM,
         "grip": 20 * MM,
         "lean": 0.0,
-        "askew": 0.0,
         "hidden": np.zeros((1, 2)),
         "gravity_distance": 0.0,
     }

@@ -50,7 +50,6 @@ def test_what_could_not_win_is_only_estimated() -> None:
     grasps = grasps.having(
         middle=places,
         lean=np.zeros((100, 1)),
-        askew=np.zeros(100),
         hidden=np.zeros((100, 2)),
         unseen=np.zeros(100),
         gravity_distance=np.abs(places[:, 0]),

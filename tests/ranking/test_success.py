@@ -98,12 +98,6 @@ class TestByHand:
         found = chance(situation(BAR, unsure("height_m=0.003")), grasp(40, 60, grip=4 * MM))
         assert found == pytest.approx(0.5 + 0.5 * within(3, 3), abs=0.01)
 
-    def test_contacts_may_be_askew(self) -> None:
-        """By up to 0.4, evenly: friction 0.3 holds three quarters of that."""
-        hand = HAND.model_copy(update={"pad_friction": 0.3})
-        found = chance(situation(BAR, unsure(), hand=hand), grasp(40, 60, askew=0.4))
-        assert found == pytest.approx(0.75, abs=0.01)
-
     def test_walls_lean_more_higher_up(self) -> None:
         """Pads over 20 mm that hold nothing of what is upright: 6 mm up walls lean by 0.4, 5 mm up by 0.35."""
         table = grasp(40, 60, lean=[0.25, 0.35, 0.55, 0.9])
