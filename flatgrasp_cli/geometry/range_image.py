@@ -8,6 +8,7 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.raster import Raster
+from flatgrasp_cli.kernels.projection import projected
 
 MOST_ASIDE = 10.0
 """Tangent of the widest angle to the line of sight: at a viewpoint amid the points, most lie beside or behind it."""
@@ -63,6 +64,5 @@ class RangeImage:
 
     def _projected(self, columns: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Image coordinates x and y, and ranges (n,), of points, columns (3, n); behind the viewpoint x is +inf."""
-        x, y, z = self.axes @ (columns - self.viewpoint[:, None])
-        depth = np.maximum(z, 1e-9)
-        return np.where(z > 0, x / depth, np.inf), y / depth, np.sqrt(x * x + y * y + z * z)
+        x, y, ranges = projected(columns, self.viewpoint, self.axes)
+        return x, y, ranges
