@@ -77,7 +77,7 @@ def alpha_region(points: FloatArray, alpha_m: float) -> Any:
 def _repaired(ring: FloatArray) -> Any:
     """The valid polygons within a `ring` (k, 2), without the lines and points in which it touches itself.
 
-    By its structure: what shapely makes of its lines can have a negative area, on which overlays fail. And if that is not
+    By its structure: what shapely makes of its lines can have a negative area, on which overlays fail. If that is not
     valid yet, as happens to rings that touch themselves within rounding, once more by its lines.
     """
     import shapely
