@@ -8,6 +8,17 @@ from cython.cimports.libc.math import sqrt
 from numpy.typing import NDArray
 
 
+@cython.cfunc
+def _with(
+    rows: cython.Py_ssize_t[::1], found: cython.Py_ssize_t, row: cython.Py_ssize_t, most: cython.Py_ssize_t
+) -> cython.Py_ssize_t[::1]:
+    """The `rows`, of which so many are `found`, with one more; the first makes place for as many as there can be."""
+    if found == 0:
+        rows = np.empty(most, dtype=np.intp)
+    rows[found] = row
+    return rows
+
+
 def not_measured(
     points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
     farthest: cython.double,
@@ -15,21 +26,16 @@ def not_measured(
     """Rows of `points` (n, 3) that are not finite, exactly 0 0 0, or have a coordinate beyond ±`farthest`."""
     row: cython.Py_ssize_t
     found: cython.Py_ssize_t = 0
-    rows = np.empty(0, dtype=np.intp)
-    lost: cython.Py_ssize_t[::1] = rows
+    lost: cython.Py_ssize_t[::1] = np.empty(0, dtype=np.intp)
     for row in range(points.shape[0]):
         x: cython.double = points[row, 0]
         y: cython.double = points[row, 1]
         z: cython.double = points[row, 2]
         measured: cython.bint = abs(x) <= farthest and abs(y) <= farthest and abs(z) <= farthest  # false for NaN, too
         if not measured or (x == 0 and y == 0 and z == 0):
-            if found == 0:
-                rows = np.empty(points.shape[0], dtype=np.intp)
-                lost = rows
-            lost[found] = row
+            lost = _with(lost, found, row, points.shape[0])
             found += 1
-    some: NDArray[np.intp] = rows[:found]
-    return some
+    return np.asarray(lost[:found])
 
 
 def outside(
@@ -41,20 +47,15 @@ def outside(
     row: cython.Py_ssize_t
     axis: cython.Py_ssize_t
     found: cython.Py_ssize_t = 0
-    rows = np.empty(0, dtype=np.intp)
-    lost: cython.Py_ssize_t[::1] = rows
+    lost: cython.Py_ssize_t[::1] = np.empty(0, dtype=np.intp)
     for row in range(points.shape[0]):
         within: cython.bint = True
         for axis in range(3):
             within = within and low[axis] <= points[row, axis] <= high[axis]
         if not within:
-            if found == 0:
-                rows = np.empty(points.shape[0], dtype=np.intp)
-                lost = rows
-            lost[found] = row
+            lost = _with(lost, found, row, points.shape[0])
             found += 1
-    some: NDArray[np.intp] = rows[:found]
-    return some
+    return np.asarray(lost[:found])
 
 
 def near(
@@ -65,8 +66,7 @@ def near(
     """Rows of `points` (n, 3) that are nearer than a `distance` to a `place` (3,)."""
     row: cython.Py_ssize_t
     found: cython.Py_ssize_t = 0
-    rows = np.empty(0, dtype=np.intp)
-    close: cython.Py_ssize_t[::1] = rows
+    close: cython.Py_ssize_t[::1] = np.empty(0, dtype=np.intp)
     for row in range(points.shape[0]):
         x: cython.double = points[row, 0] - place[0]
         if abs(x) >= distance:
@@ -74,10 +74,6 @@ def near(
         y: cython.double = points[row, 1] - place[1]
         z: cython.double = points[row, 2] - place[2]
         if sqrt(x * x + y * y + z * z) < distance:
-            if found == 0:
-                rows = np.empty(points.shape[0], dtype=np.intp)
-                close = rows
-            close[found] = row
+            close = _with(close, found, row, points.shape[0])
             found += 1
-    some: NDArray[np.intp] = rows[:found]
-    return some
+    return np.asarray(close[:found])

@@ -80,18 +80,18 @@ def walls(fingers: FingerCandidates, surface: HeightMap, highest: HeightMap, lev
     of the `highest` points, for the mean height of an upright face is half of its own.
     """
     places = pad_places(fingers, INWARD_M, ALONG_PAD)
-    heights = surface.over(*places)  # (distances, places, m)
+    heights, highest_there = surface.over(*places), highest.over(*places)  # (distances, places, m)
     known = np.isfinite(heights)
     tops = heights[:WALL_PLACES].max(axis=0)
     top = np.sort(np.where(np.isfinite(tops), tops, level_m), axis=0)[len(ALONG_PAD) // 2]
     near, count = heights[:WALL_PLACES], known[:WALL_PLACES].sum(axis=(0, 1))
     total = np.where(known[:WALL_PLACES], near, 0.0).sum(axis=(0, 1))
     boundary = np.where(count > 0, total / np.maximum(count, 1), level_m)
-    counts, totals = known.sum(axis=1), np.where(known, highest.over(*places), 0.0).sum(axis=1)
+    counts, totals = known.sum(axis=1), np.where(known, highest_there, 0.0).sum(axis=1)
     _, slope = fitted_lines(INWARD_M, np.where(counts > 0, totals / np.maximum(counts, 1), np.nan).T)
     flank = (slope > LEAST_SLOPE) & (slope < 1 / friction)
     profile, crests = (
-        np.sort(np.where(known, each, 0.0), axis=1)[:, len(ALONG_PAD) // 2] for each in (heights, highest.over(*places))
+        np.sort(np.where(known, each, 0.0), axis=1)[:, len(ALONG_PAD) // 2] for each in (heights, highest_there)
     )
     return Walls(
         top=top,
