@@ -13,16 +13,14 @@ from flatgrasp_cli.geometry.frames import Frame, frame_on_plane
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.geometry.sampling import spread_indices
+from flatgrasp_cli.geometry.scatter import deviation
 from flatgrasp_cli.model import Floor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.cells import LEVEL_WINDOW_M, SortedPoints, fitting_cell_m, smoothed
 from flatgrasp_cli.scene.masks import ends_of, hull_of, span_of
 from flatgrasp_cli.scene.strays import lonely
-from flatgrasp_cli.scene.support_plane import FINE_SAMPLE, MAD_TO_SIGMA, SIGMAS
+from flatgrasp_cli.scene.support_plane import FINE_SAMPLE, SIGMAS, flatness_m
 
-POINT_SIGMAS = 2.5
-"""Standard deviations by which a point, or the mean of a cell, must stand out of the plane: 0.6 % of the plane's own
-do."""
 SMOOTH_CELLS = 3
 """Side of the window over which cells are averaged, in cells: the mean of nine has a third of one cell's noise."""
 HIGH_M = 0.02
@@ -80,13 +78,11 @@ class Clusters:
 
 def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettings) -> Clusters | None:
     """The objects among `points` (n, 3) on `plane`, largest first; None if no cell shows the plane itself."""
-    frame = frame_on_plane(plane.normal, plane.offset_m)
-    found, heights = _sorted(points, frame, _raster(points, frame, plane.noise_m), -SIGMAS * plane.noise_m)
+    frame, flat_m = frame_on_plane(plane.normal, plane.offset_m), flatness_m(plane, settings)
+    found, heights = _sorted(points, frame, _raster(points, frame, flat_m), -flat_m)
     total = found.total(heights)
     own = total / np.maximum(found.count, 1)
-    table = _broad(
-        (found.count > 0) & (np.abs(own) < SIGMAS * plane.noise_m), settings.least_part_m / found.raster.cell_m
-    )
+    table = _broad((found.count > 0) & (np.abs(own) < flat_m), settings.least_part_m / found.raster.cell_m)
     if not table.any():
         return None
     standing = _standing(found, own, table, plane.noise_m, settings)
@@ -96,7 +92,7 @@ def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettin
     # from here on only the points in cells that stand out, which are few
     rows = np.flatnonzero(standing.take(found.cell))
     cell = found.cell[rows]
-    rows = rows[heights[rows] > np.minimum(POINT_SIGMAS * plane.noise_m, 0.5 * own.ravel()[cell])]
+    rows = rows[heights[rows] > np.minimum(flat_m, 0.5 * own.ravel()[cell])]
     rows = rows[~lonely(points[rows], max(STRAY_M, STRAY_CELLS * found.raster.cell_m))]
     piece = labels.ravel()[found.cell[rows]]  # without the plane's points at an object's edge
     return Clusters(
@@ -108,11 +104,11 @@ def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettin
     )
 
 
-def _raster(points: FloatArray, frame: Frame, noise_m: float) -> Raster:
+def _raster(points: FloatArray, frame: Frame, flat_m: float) -> Raster:
     """A raster of the plane and a margin around it, as far as there are points, laid out by an even sample of them."""
     chosen = spread_indices(len(points), GRID_SAMPLE)
     x, y, heights = frame.to_local(points[chosen]).T
-    flat = np.abs(heights) < SIGMAS * noise_m
+    flat = np.abs(heights) < flat_m
     sides = [(x, x[flat]), (y, y[flat])]
     low = np.array([max(every_one.min(), own.min() - MARGIN_M) for every_one, own in sides])
     high = np.array([min(every_one.max(), own.max() + MARGIN_M) for every_one, own in sides])
@@ -158,9 +154,10 @@ def _standing(
     window = 2 * round(0.5 * LEVEL_WINDOW_M / found.raster.cell_m) + 1
     smooth = smoothed(own, found.count, SMOOTH_CELLS) - smoothed(own, table, window)
     ripple = smooth[table]
-    scatter = MAD_TO_SIGMA * float(np.median(np.abs(ripple[spread_indices(len(ripple), FINE_SAMPLE)])))
-    threshold = max(settings.min_height_m, settings.noise_factor * scatter)
-    sure = POINT_SIGMAS * noise_m / np.sqrt(np.maximum(found.count, 1))
+    scatter = deviation(ripple[spread_indices(len(ripple), FINE_SAMPLE)])
+    highest = scatter * np.sqrt(2 * np.log(len(ripple)))  # that noise alone makes of so many (Donoho & Johnstone 1994)
+    threshold = max(settings.min_height_m, highest)
+    sure = SIGMAS * noise_m / np.sqrt(np.maximum(found.count, 1))
     return np.asarray((found.count > 0) & (smooth > threshold) & (own > np.maximum(threshold, sure)))
 
 

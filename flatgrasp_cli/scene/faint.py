@@ -9,13 +9,11 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import SupportPlane
+from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.clusters import Clusters
 from flatgrasp_cli.scene.parting.view_grid import image_of
-from flatgrasp_cli.scene.support_plane import SAMPLE, SIGMAS
+from flatgrasp_cli.scene.support_plane import SAMPLE, SIGMAS, flatness_m
 
-SURE_SIGMAS = 2.0
-"""A thing is higher, on average, than so many standard deviations of single points there: ripples of a disparity's last
-digit, which no mean over cells removes, are as high as that in real frames of tables."""
 GHOST_M, GHOST_PX, GHOST_SHARE = 0.01, 10.0, 0.8
 """A ripple of the plane beside the edge of something nearer: the share of it, at least, that lies so near to that edge
 in the image, in pixels, and the most, metres, that it is high on average. Sensors that match windows of some 20 pixels
@@ -24,21 +22,23 @@ NEARER_M = 0.05
 """Something nearer by this casts a shadow; what a low thing stands beside is not so far off."""
 
 
-def without_faint(points: FloatArray, clusters: Clusters, plane: SupportPlane, viewpoint: FloatArray) -> Clusters:
+def without_faint(
+    points: FloatArray, clusters: Clusters, plane: SupportPlane, viewpoint: FloatArray, settings: SceneSettings
+) -> Clusters:
     """The clusters of `points` (n, 3) without those that may be noise, which are clutter.
 
     The noise of depth from disparity grows with the square of the distance from `viewpoint` (3,) (Khoshelham & Elberink
     2012); the plane's own is that at its middle distance.
     """
     sample = points[spread_indices(len(points), SAMPLE)]
-    flat = sample[np.abs(plane.heights(sample)) < SIGMAS * plane.noise_m]
+    flat = sample[np.abs(plane.heights(sample)) < flatness_m(plane, settings)]
     usual_m = float(np.median(np.linalg.norm((flat if len(flat) else sample) - viewpoint, axis=1)))
     reach = GHOST_PX * clusters.floor.spacing_m / usual_m
 
     def is_faint(own: FloatArray) -> bool:
         share = float(np.linalg.norm(own.mean(axis=0) - viewpoint)) / usual_m
         height_m = float(plane.heights(own).mean())
-        if height_m < SURE_SIGMAS * plane.noise_m * share**2:
+        if height_m < SIGMAS * plane.noise_m * share**2:
             return True
         if height_m > GHOST_M:
             return False

@@ -14,7 +14,7 @@ from flatgrasp_cli.scene.heaps import Heap
 from flatgrasp_cli.scene.objects import objects_of, overlook
 from flatgrasp_cli.scene.selection import cropped, selected
 from flatgrasp_cli.scene.strays import TAIL_SHARE
-from flatgrasp_cli.scene.support_plane import MOST_BELOW_M, SAMPLE, SIGMAS, find_support_plane
+from flatgrasp_cli.scene.support_plane import MOST_BELOW_M, SAMPLE, find_support_plane, flatness_m
 
 LARGEST_EXTENT_M = 20.0
 """No view of objects for a gripper is wider than this, metres; a lidar's is, and so is a cloud in millimetres."""
@@ -50,11 +50,15 @@ def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
             return _alone(cloud.points, sensor, settings.up)
         return Scene(None, (), cloud.points, NO_PLANE)
     viewpoint = overlook(cloud.points, sensor, plane)
-    clusters = without_faint(cloud.points, clusters, plane, viewpoint)
+    clusters = without_faint(cloud.points, clusters, plane, viewpoint, settings)
     heap = Heap(cloud.points, clusters, plane, viewpoint, settings=settings, colors=cloud.colors)
     container = heap.container()
     small = clusters.extent_m <= settings.max_size_m and container is None
-    if settings.mode == "auto" and small and (not clusters.lie_on_table or _goes_on_below(cloud.points, plane)):
+    if (
+        settings.mode == "auto"
+        and small
+        and (not clusters.lie_on_table or _goes_on_below(cloud.points, plane, settings))
+    ):
         return _alone(cloud.points, sensor, settings.up)
     clusters = heap.apart(container)
     objects, wholes = objects_of(cloud, sensor, plane, clusters)
@@ -81,11 +85,11 @@ def _too_large(points: FloatArray) -> str | None:
     return f"the cloud is {x:.0f} × {y:.0f} × {z:.0f} m, no view of objects for a gripper"
 
 
-def _goes_on_below(points: FloatArray, plane: SupportPlane) -> bool:
+def _goes_on_below(points: FloatArray, plane: SupportPlane, settings: SceneSettings) -> bool:
     """Whether much lies close below a plane, as a body's flanks do below a plane through its front."""
-    heights = plane.heights(points[spread_indices(len(points), SAMPLE)])
-    on = np.abs(heights) < SIGMAS * plane.noise_m
-    below = (heights < -max(SIGMAS * plane.noise_m, LEAST_BELOW_M)) & (heights > -MOST_BELOW_M)
+    heights, flat_m = plane.heights(points[spread_indices(len(points), SAMPLE)]), flatness_m(plane, settings)
+    on = np.abs(heights) < flat_m
+    below = (heights < -max(flat_m, LEAST_BELOW_M)) & (heights > -MOST_BELOW_M)
     return bool(below.sum() > BELOW_SHARE * on.sum())
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.planes import consensus_plane, least_squares_plane
 from flatgrasp_cli.geometry.sampling import spread_indices
+from flatgrasp_cli.geometry.scatter import deviation
 from flatgrasp_cli.model import Sensor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 
@@ -19,9 +20,9 @@ hypotheses are scored in a few milliseconds."""
 FINE_SAMPLE = 10_000
 """Points by which a plane is fitted: of one of 60 cm with noise of 3 mm, its normal is then known to 0.01°. By as many
 its scatter is known to 1 %, and where a picture ends: some 50 lie along each side."""
-TOLERANCE_SHARE, TOLERANCE_RANGE_M = 0.008, (0.004, 0.03)
+TOLERANCE_SHARE = 0.008
 """How far from a hypothesis points agree with it, as a share of their distance from the sensor: three times the noise
-of a structured-light sensor at 2 m (Khoshelham & Elberink 2012). And the least and the most of it, metres."""
+of a structured-light sensor at 2 m (Khoshelham & Elberink 2012)."""
 REACH_M = 1.0
 """Arms reach no farther, metres: a sensor whose place is not known is so far away, and strays are farther off."""
 MIN_SENSOR_HEIGHT_M = 0.1
@@ -37,15 +38,9 @@ CLEAR_BELOW, MOST_BELOW_M, MOST_CUT = 2.0, 0.1, 0.15
 """What lies lower by so many tolerances, and no more than by this, is close below a plane; and how many such points,
 over its own, a plane may have. Beside tables there are edges, and below them a floor that is farther away; a plane
 through the tops of things in a bin has half of the bin below it."""
-REFINEMENTS = 2
-"""Number of fits: one with the first tolerance, and one with that which follows from the plane's own scatter."""
 SIGMAS = 3.0
-"""Standard deviations of noise within which points belong to a plane, and depths to one surface: 99.7 % do."""
-LEAST_NOISE_M = 1e-4
-"""Least noise of a plane, metres: a simulator's planes are flat to the last digit, and thresholds are multiples of it.
-"""
-MAD_TO_SIGMA = 1.4826
-"""Ratio of the standard deviation of normally distributed values to their median absolute deviation."""
+"""Standard deviations of noise within which points belong to a plane, depths to one surface, and bends to a flat one:
+99.7 % do."""
 
 
 class _Fit(NamedTuple):
@@ -73,7 +68,16 @@ def find_support_plane(points: FloatArray, sensor: Sensor, settings: SceneSettin
     biggest = max(fits, key=lambda fit: fit.share)
     stacked = [fit for fit in fits if fit.normal @ biggest.normal > PARALLEL_COS]
     stacked = [fit for fit in stacked if fit.share > SECOND_SHARE * biggest.share]
-    return _refined(points, sensor, max(stacked, key=lambda fit: fit.offset))
+    nearest = max(stacked, key=lambda fit: fit.offset)
+    points = points[spread_indices(len(points), FINE_SAMPLE)]
+    tolerance = float(np.median(_tolerance(points, sensor)))
+    first = _fitted(points, nearest.normal, nearest.offset, tolerance)
+    return _fitted(points, first.normal, first.offset_m, min(tolerance, flatness_m(first, settings)))
+
+
+def flatness_m(plane: SupportPlane, settings: SceneSettings) -> float:
+    """How far a plane's own points lie from it, metres; without noise, those nearer to it than to the lowest object."""
+    return max(SIGMAS * plane.noise_m, 0.5 * settings.min_height_m)
 
 
 def looks_down(sensor: Sensor, normal: FloatArray, offset: float) -> bool:
@@ -127,26 +131,17 @@ def _tolerance(points: FloatArray, sensor: Sensor) -> FloatArray:
         return np.full(len(points), TOLERANCE_SHARE * REACH_M)
     apart = points - sensor.position
     distance = np.sqrt(np.einsum("ij,ij->i", apart, apart))
-    return np.asarray(np.clip(TOLERANCE_SHARE * distance, *TOLERANCE_RANGE_M))
+    return np.asarray(TOLERANCE_SHARE * distance)
 
 
-def _refined(points: FloatArray, sensor: Sensor, fit: _Fit) -> SupportPlane:
-    """Least squares on the inliers of an even sample, within a tolerance that follows from their own scatter."""
-    points = points[spread_indices(len(points), FINE_SAMPLE)]
-    normal, offset = fit.normal, fit.offset
-    residuals = points @ normal - offset
-    tolerance = float(np.median(_tolerance(points, sensor)))
-    noise = tolerance
-    for _ in range(REFINEMENTS):
-        inliers = points[np.flatnonzero(np.abs(residuals) < tolerance)]
-        refined, _ = least_squares_plane(inliers)
-        normal = refined if refined @ normal > 0 else -refined
-        offset = float(np.median(inliers @ normal))
-        residuals = points @ normal - offset
-        scatter = np.abs(residuals)
-        noise = MAD_TO_SIGMA * float(np.median(scatter[scatter < tolerance]))
-        tolerance = min(tolerance, max(SIGMAS * noise, TOLERANCE_RANGE_M[0]))
-    return SupportPlane(normal, offset, max(noise, LEAST_NOISE_M))
+def _fitted(points: FloatArray, normal: FloatArray, offset: float, tolerance: float) -> SupportPlane:
+    """Least squares on those of `points` (n, 3) that lie within a tolerance of a plane, and their scatter."""
+    inliers = points[np.flatnonzero(np.abs(points @ normal - offset) < tolerance)]
+    refined, _ = least_squares_plane(inliers)
+    normal = refined if refined @ normal > 0 else -refined
+    offset = float(np.median(inliers @ normal))
+    scatter = np.abs(points @ normal - offset)
+    return SupportPlane(normal, offset, deviation(scatter[scatter < tolerance]))
 
 
 def _oriented(

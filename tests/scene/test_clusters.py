@@ -68,7 +68,7 @@ class TestWhatStandsOut:
         assert count(table(bump(height_mm, 40))) == objects
 
     @pytest.mark.parametrize(("height_mm", "objects"), [(4, 0), (12, 1)])
-    def test_on_a_table_with_ripples_four_times_their_deviation_do(self, height_mm: float, objects: int) -> None:
+    def test_on_a_table_with_ripples_what_is_higher_than_they_are_does(self, height_mm: float, objects: int) -> None:
         """Ripples of 1.5 mm, 25 mm long: no plane's noise, which averages out, but as good as that."""
         points = table(waves(1.5, 25), bump(height_mm, 40))
         assert count(points, noise_mm=0.8) == objects

@@ -30,9 +30,7 @@ class SceneSettings(Profile):
     min_plane_share: Share
     """Share of the points that a support plane has at least."""
     min_height_m: Size
-    """Least height of an object, metres."""
-    noise_factor: Annotated[float, Field(ge=1, le=20)]
-    """An object stands this many times the standard deviation of the support plane's raster above it."""
+    """Least height of an object, metres; more where the support plane's own cells scatter as high as that."""
     gap_m: Length
     """Parts of an object may be this far apart, metres; objects closer than this count as one."""
     min_size_m: Size

@@ -12,11 +12,10 @@ from flatgrasp_cli.scene.cells import LEAST_CELL_M, POINTS_PER_CELL
 from flatgrasp_cli.scene.parting.joints import CORE_CELLS, held_together
 from flatgrasp_cli.scene.parting.seams import color_seam_cells, seam_cells, surface_normals
 from flatgrasp_cli.scene.parting.view_grid import DOWN, RIGHT, SIDES, ViewGrid, shifted
+from flatgrasp_cli.scene.support_plane import SIGMAS
 
 LEAST_CELLS = 30
 """Cells of a piece, at least: of fewer most lie at its own edge, where normals are poor."""
-SURE_SIGMAS = 4.0
-"""A bend is told from noise by so many of its standard deviations."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,7 +112,7 @@ def fitting_cell_m(spacing_m: float, noise_m: float, seam_deg: float) -> float:
     The mean of the (c/s)² points in a cell of side c scatters by σ s/c, the slope of a plane through 3 × 3 such cells
     by σ s/(√6 c²), and the difference of two slopes by √2 times that.
     """
-    return float(np.sqrt(SURE_SIGMAS * np.sqrt(2 / 6) * noise_m * spacing_m / np.radians(seam_deg)))
+    return float(np.sqrt(SIGMAS * np.sqrt(2 / 6) * noise_m * spacing_m / np.radians(seam_deg)))
 
 
 def _connected(grid: ViewGrid, free: BoolArray) -> IntArray:
