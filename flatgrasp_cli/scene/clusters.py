@@ -23,33 +23,13 @@ from flatgrasp_cli.scene.support_plane import FINE_SAMPLE, SIGMAS, flatness_m
 
 SMOOTH_CELLS = 3
 """Side of the window over which cells are averaged, in cells: the mean of nine has a third of one cell's noise."""
-HIGH_M = 0.02
-"""Points higher than this, metres, enter a mean with this height, lest a single flying one lift all cells around it."""
-RING_M = 0.04
-"""How far around a cluster the plane is looked for, metres: beyond the shadow of a low object, but not where another
-surface than the one that it stands on may begin."""
-RIM_M = 0.015
-"""An object's middle lies at least this far inside the convex hull of the plane, metres: nearer to
-the edge of a view, half of an object is cut off."""
-EDGE_M, EDGE_RIPPLE_M = 0.03, 0.01
-"""Within the first of the plane's edge, a cluster no higher than the second is no object, metres: a stereo camera
-matches windows of some 20 pixels, 30 mm at a metre. Near the edge they also hold what lies beyond it, and the plane's
-own height is wrong by up to a centimetre."""
 MIN_POINTS = 30
 """Least number of points in the cells of an object: with fewer, an outline is mostly noise."""
-STRAY_M, STRAY_CELLS = 0.01, 3.0
-"""A point with hardly another around it belongs to nothing. Around it means within one or two times this, metres, or,
-in a sparse cloud, this many cells of the raster."""
-GRID_SAMPLE = 20_000
-"""Points by which the raster is laid out: several in each of the cells that their density is measured in."""
 BLOCK = 16_384
 """Points worked on at once: as many as stay in a processor's cache. A result does not depend on it."""
-CALM_WINDOW_M = 0.025
-"""Side of the square over which the free plane's level is averaged, metres: some hundred points, and no wider than a
-finger with its clearance."""
-MARGIN_M = 0.1
-"""Points farther than this outside of the support plane, metres, are not looked at: they are the room behind the table.
-"""
+NEAR_M = 0.2
+"""Points farther than this from an object's bounding box, metres, cannot meet the hand: those so far outside of the
+support plane are the room behind the table."""
 SECTORS, LEAST_AROUND = 16, 0.3
 """Directions around an object, and in how many of them the support plane must be seen if the object stands on it: seen
 obliquely before a wall, a third of them are left. As much of the plane must lie outside the objects' convex hulls, or
@@ -79,7 +59,8 @@ class Clusters:
 def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettings) -> Clusters | None:
     """The objects among `points` (n, 3) on `plane`, largest first; None if no cell shows the plane itself."""
     frame, flat_m = frame_on_plane(plane.normal, plane.offset_m), flatness_m(plane, settings)
-    found, heights = _sorted(points, frame, _raster(points, frame, flat_m), -flat_m)
+    raster = _raster(points, frame, flat_m, settings.min_size_m)
+    found, heights = _sorted(points, frame, raster, -flat_m, settings.least_part_m)
     total = found.total(heights)
     own = total / np.maximum(found.count, 1)
     table = _broad((found.count > 0) & (np.abs(own) < flat_m), settings.least_part_m / found.raster.cell_m)
@@ -87,36 +68,40 @@ def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettin
         return None
     standing = _standing(found, own, table, plane.noise_m, settings)
     labels = _labels(_bridged(standing, settings.gap_m / found.raster.cell_m)) * standing
-    chosen = _objects(found, labels, own, table, settings)
+    chosen = _objects(found, labels, table, settings)
 
     # from here on only the points in cells that stand out, which are few
     rows = np.flatnonzero(standing.take(found.cell))
     cell = found.cell[rows]
     rows = rows[heights[rows] > np.minimum(flat_m, 0.5 * own.ravel()[cell])]
-    rows = rows[~lonely(points[rows], max(STRAY_M, STRAY_CELLS * found.raster.cell_m))]
+    rows = rows[~lonely(points[rows], SMOOTH_CELLS * found.raster.cell_m)]
     piece = labels.ravel()[found.cell[rows]]  # without the plane's points at an object's edge
     return Clusters(
         members=tuple(rows[piece == name] for name in chosen),
         clutter=rows[~np.isin(piece, chosen)],
-        floor=_floor(frame, found, total, rows, heights[rows]),
+        floor=_floor(frame, found, total, rows, heights[rows], settings.least_part_m),
         lie_on_table=bool(chosen) and _outside_share(labels, chosen, table) >= LEAST_AROUND,
         extent_m=float(found.raster.cell_m * np.hypot(*span_of(table))),
     )
 
 
-def _raster(points: FloatArray, frame: Frame, flat_m: float) -> Raster:
+def _raster(points: FloatArray, frame: Frame, flat_m: float, coarse_m: float) -> Raster:
     """A raster of the plane and a margin around it, as far as there are points, laid out by an even sample of them."""
-    chosen = spread_indices(len(points), GRID_SAMPLE)
+    chosen = spread_indices(len(points), FINE_SAMPLE)
     x, y, heights = frame.to_local(points[chosen]).T
     flat = np.abs(heights) < flat_m
     sides = [(x, x[flat]), (y, y[flat])]
-    low = np.array([max(every_one.min(), own.min() - MARGIN_M) for every_one, own in sides])
-    high = np.array([min(every_one.max(), own.max() + MARGIN_M) for every_one, own in sides])
-    return Raster.over(low, high, fitting_cell_m(x[flat], y[flat], len(points) / len(chosen)))
+    low = np.array([max(every_one.min(), own.min() - NEAR_M) for every_one, own in sides])
+    high = np.array([min(every_one.max(), own.max() + NEAR_M) for every_one, own in sides])
+    return Raster.over(low, high, fitting_cell_m(x[flat], y[flat], coarse_m, len(points) / len(chosen)))
 
 
-def _sorted(points: FloatArray, frame: Frame, raster: Raster, lowest_m: float) -> tuple[SortedPoints, FloatArray]:
-    """All points above `lowest_m` sorted into the raster, and the heights (n,) of all, cut off at `HIGH_M`.
+def _sorted(
+    points: FloatArray, frame: Frame, raster: Raster, lowest_m: float, most_m: float
+) -> tuple[SortedPoints, FloatArray]:
+    """All points above `lowest_m` sorted into the raster, and the heights (n,) of all, cut off at `most_m`.
+
+    They are, lest a single flying point lift the mean of all cells around it.
 
     A frame has hundreds of thousands of points. They are read once, block by block, so that nothing on the way from
     coordinates to cells leaves the processor's cache.
@@ -130,19 +115,22 @@ def _sorted(points: FloatArray, frame: Frame, raster: Raster, lowest_m: float) -
         x, y, height = block @ frame.axes[0], block @ frame.axes[1], block @ frame.axes[2] - offset
         near = (x >= low[0]) & (x < high[0]) & (y >= low[1]) & (y < high[1]) & (height > lowest_m)
         np.multiply(raster.cells_within(x, y), near, out=cell[part])
-        np.minimum(height, HIGH_M, out=heights[part])
+        np.minimum(height, most_m, out=heights[part])
     return SortedPoints.of(raster, cell), heights
 
 
-def _floor(frame: Frame, found: SortedPoints, total: FloatArray, rows: IntArray, heights: FloatArray) -> Floor:
+def _floor(
+    frame: Frame, found: SortedPoints, total: FloatArray, rows: IntArray, heights: FloatArray, width_m: float
+) -> Floor:
     """The cells with points of the plane, at the mean height of those around them: a cell's own is mostly noise.
 
-    `total` is the sum of all heights in each cell; `rows` and `heights` belong to the points that are not the plane's.
+    They are those in a square of `width_m`, no wider than a finger with its clearance. `total` is the sum of all
+    heights in each cell; `rows` and `heights` belong to the points that are not the plane's.
     """
     cell = found.cell[rows]
     count = found.count - np.bincount(cell, minlength=found.count.size).reshape(found.count.shape)
     mean = (total - found.total(heights, cell)) / np.maximum(count, 1)
-    level = smoothed(mean, count, 2 * round(0.5 * CALM_WINDOW_M / found.raster.cell_m) + 1)
+    level = smoothed(mean, count, 2 * round(0.5 * width_m / found.raster.cell_m) + 1)
     levels = HeightMap(found.raster, np.where(count > 0, level, UNSEEN))
     return Floor(frame, levels, found.raster.cell_m / float(np.sqrt(np.median(count[count > 0]))))
 
@@ -185,9 +173,7 @@ def _broad(mask: BoolArray, cells: float) -> BoolArray:
     return np.asarray(broad[labels] & mask)
 
 
-def _objects(
-    found: SortedPoints, labels: IntArray, heights: FloatArray, table: BoolArray, settings: SceneSettings
-) -> list[int]:
+def _objects(found: SortedPoints, labels: IntArray, table: BoolArray, settings: SceneSettings) -> list[int]:
     """Names of the clusters that are objects, largest first: large enough, and amid the plane."""
     import shapely
 
@@ -197,18 +183,16 @@ def _objects(
     cells = np.bincount(name_of)
     points = np.bincount(name_of, weights=found.count.ravel()[cell])
     large = (cells * found.raster.cell_m**2 >= settings.min_size_m**2) & (points >= MIN_POINTS)
-    hull = hull_of(table)
-    amid, beyond_ripple = (hull.buffer(-margin / found.raster.cell_m) for margin in (RIM_M, EDGE_M))
+    least_part = settings.least_part_m / found.raster.cell_m
+    amid = hull_of(table).buffer(-0.5 * least_part)  # nearer to the edge of a view, half of such a part is cut off
     chosen = []
     for name in np.flatnonzero(large).tolist():
         own = np.stack([row[name_of == name], column[name_of == name]])
         low, high = own.min(axis=1), own.max(axis=1) + 1
         middle = own.mean(axis=1)
-        if heights[*own].max() < EDGE_RIPPLE_M and not shapely.contains_xy(beyond_ripple, *own).any():
-            continue
         if (
             shapely.contains_xy(amid, *middle)
-            and _sectors(low, high, middle, table, RING_M / found.raster.cell_m) >= LEAST_AROUND * SECTORS
+            and _sectors(low, high, middle, table, least_part) >= LEAST_AROUND * SECTORS
         ):
             chosen.append(name)
     return sorted(chosen, key=lambda name: -int(cells[name]))

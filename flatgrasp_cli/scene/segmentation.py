@@ -18,9 +18,6 @@ from flatgrasp_cli.scene.support_plane import MOST_BELOW_M, SAMPLE, find_support
 
 LARGEST_EXTENT_M = 20.0
 """No view of objects for a gripper is wider than this, metres; a lidar's is, and so is a cloud in millimetres."""
-UPRIGHT_SHARE = 0.2
-"""Weight of the way to the sensor beside the way up. The sensor decides if the main plane stands within 11°, the arc
-tangent of this, of upright, where it has no upper side."""
 NO_PLANE = "no support plane was found"
 NOTHING_STANDS = "nothing stands on the support plane"
 LEAST_BELOW_M = 0.010
@@ -42,12 +39,12 @@ def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
     if reason is not None:
         return Scene(None, (), cloud.points, reason)
     if settings.mode == "object" or len(cloud.points) < 3:
-        return _alone(cloud.points, sensor, settings.up)
+        return _alone(cloud.points, sensor, settings)
     plane = find_support_plane(cloud.points, sensor, settings, seed)
     clusters = find_clusters(cloud.points, plane, settings) if plane is not None else None
     if plane is None or clusters is None:
         if settings.mode == "auto":
-            return _alone(cloud.points, sensor, settings.up)
+            return _alone(cloud.points, sensor, settings)
         return Scene(None, (), cloud.points, NO_PLANE)
     viewpoint = overlook(cloud.points, sensor, plane)
     clusters = without_faint(cloud.points, clusters, plane, viewpoint, settings)
@@ -59,7 +56,7 @@ def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
         and small
         and (not clusters.lie_on_table or _goes_on_below(cloud.points, plane, settings))
     ):
-        return _alone(cloud.points, sensor, settings.up)
+        return _alone(cloud.points, sensor, settings)
     clusters = heap.apart(container)
     objects, wholes = objects_of(cloud, sensor, plane, clusters)
     return Scene(
@@ -93,10 +90,12 @@ def _goes_on_below(points: FloatArray, plane: SupportPlane, settings: SceneSetti
     return bool(below.sum() > BELOW_SHARE * on.sum())
 
 
-def _alone(points: FloatArray, sensor: Sensor, up: tuple[float, float, float] | None) -> Scene:
-    """All points as one object; the hand comes from above if `up` (3,) is known, else from the sensor."""
+def _alone(points: FloatArray, sensor: Sensor, settings: SceneSettings) -> Scene:
+    """All points as one object; the hand comes from above if the way up is known, else from the sensor."""
     toward = sensor.toward(points.mean(axis=0)) if len(points) else np.zeros(3)
-    if up is not None:
-        length = max(float(np.linalg.norm(toward)), 1e-12)
-        toward = np.asarray(up) / np.linalg.norm(up) + UPRIGHT_SHARE * toward / length
+    if settings.up is not None:
+        up, length = np.asarray(settings.up), max(float(np.linalg.norm(toward)), 1e-12)
+        # the sensor decides where the main plane has no upper side: so upright that little of one would be seen
+        share = 1 / np.tan(np.radians(settings.max_view_deg))
+        toward = up / np.linalg.norm(up) + share * toward / length
     return Scene(None, (ObjectCloud(0, points, toward, sensor.position),), np.empty((0, 3)))

@@ -5,20 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.raster import MAX_CELLS
 from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Cloud
 from flatgrasp_cli.scene.support_plane import FINE_SAMPLE, REACH_M
 
 TAIL_SHARE = 0.01
 """Share of a cloud's points, at either end of each axis, that may lie outside of the bulk."""
-ALONE = 3
-"""So many points within a block of 3 × 3 × 3 cells, or more, are no strays: flying pixels come one by one or in pairs.
-"""
-REPEATED, MOST_REPEATED = 4, 8
-"""A place that a sample holds so often is a repeated one: in millimetre steps two points may coincide, hardly four. And
-the number of such places that are looked for: one for each transform or file that padded the cloud."""
-MAX_CELLS = 4_000_000
-"""Largest number of cells: 32 MB of numbers. Cells become larger instead."""
+MANY = 3
+"""So many points in a block of 3 × 3 × 3 cells are no strays: flying pixels come one by one or in pairs. And a place
+that a sample holds so often is a repeated one: in millimetre steps two points may coincide, hardly three."""
 ROW = 512
 """Points compared at once: numpy is slow at short rows. A result does not depend on it."""
 
@@ -46,18 +42,15 @@ def without_repeats(cloud: Cloud) -> Cloud:
     place or another by a transform, or copies that pad a cloud to a fixed length.
     """
     sample = cloud.points[spread_indices(len(cloud.points), FINE_SAMPLE)]
-    values, counts = np.unique(sample[:, 0], return_counts=True)
-    often = np.argsort(-counts, kind="stable")[:MOST_REPEATED]
-    lost = []
-    for value in values[often[counts[often] >= REPEATED]].tolist():
-        rows = np.flatnonzero(cloud.points[:, 0] == value)
-        _, first, copies = np.unique(cloud.points[rows], axis=0, return_index=True, return_inverse=True)
-        many = np.bincount(copies) >= REPEATED
-        again = many[copies]
-        again[first] = False
-        lost.append(rows[again])
-    gone = np.concatenate(lost) if lost else np.empty(0, dtype=np.intp)
-    return cloud.without(gone) if len(gone) else cloud
+    sample = sample[np.lexsort(sample.T)]
+    often = (sample[MANY - 1 :] == sample[: 1 - MANY]).all(axis=1)
+    if not often.any():
+        return cloud
+    rows = np.flatnonzero(np.isin(cloud.points[:, 0], sample[MANY - 1 :][often, 0]))
+    _, first, copies = np.unique(cloud.points[rows], axis=0, return_index=True, return_inverse=True)
+    again = (np.bincount(copies) >= MANY)[copies]
+    again[first] = False
+    return cloud.without(rows[again])
 
 
 def _outside(points: FloatArray, low: FloatArray, high: FloatArray) -> IntArray:
@@ -80,9 +73,9 @@ def lonely(points: FloatArray, cell_m: float) -> BoolArray:
     place = ((points - low) / cell_m).astype(np.intp) + 1
     cell = (place[:, 0] * shape[1] + place[:, 1]) * shape[2] + place[:, 2]
     count = np.bincount(cell, minlength=int(np.prod(shape)))
-    alone = count[cell] < ALONE
+    alone = count[cell] < MANY
     few = np.flatnonzero(alone)
     around = np.array([-1, 0, 1])
     steps = ((around[:, None, None] * shape[1] + around[:, None]) * shape[2] + around).ravel()
-    alone[few] = count[cell[few, None] + steps].sum(axis=1) < ALONE
+    alone[few] = count[cell[few, None] + steps].sum(axis=1) < MANY
     return np.asarray(alone, dtype=np.bool_)

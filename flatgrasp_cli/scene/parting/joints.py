@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
-from flatgrasp_cli.scene.parting.view_grid import SIDES, ViewGrid, shifted
+from flatgrasp_cli.scene.parting.view_grid import ViewGrid, shifted, sides
 
 HANGS_M = 0.015
 """A piece that was seen down to its lower edge, and that ends so high above the support plane, does not lie on it:
@@ -94,7 +94,7 @@ def _borders(grid: ViewGrid, names: IntArray, count: int) -> _Borders:
     """Where the pieces called `names` (rows, columns), 0 for cells without points, meet."""
     edge, hidden, own = np.zeros((3, count))
     met, smooth, beyond = np.zeros((3, count * count))
-    for step in SIDES:
+    for step in sides():
         there, height = shifted(names, step), shifted(grid.height, step)
         ends: BoolArray = (names > 0) & (names != there)
         meets = ends & (there > 0)

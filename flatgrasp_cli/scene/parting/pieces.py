@@ -11,7 +11,7 @@ from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntA
 from flatgrasp_cli.scene.cells import LEAST_CELL_M, POINTS_PER_CELL
 from flatgrasp_cli.scene.parting.joints import CORE_CELLS, held_together
 from flatgrasp_cli.scene.parting.seams import color_seam_cells, seam_cells, surface_normals
-from flatgrasp_cli.scene.parting.view_grid import DOWN, RIGHT, SIDES, ViewGrid, shifted
+from flatgrasp_cli.scene.parting.view_grid import DOWN, RIGHT, ViewGrid, shifted, sides
 from flatgrasp_cli.scene.support_plane import SIGMAS
 
 LEAST_CELLS = 30
@@ -136,11 +136,11 @@ def _flooded(grid: ViewGrid, names: IntArray, normals: FloatArray) -> IntArray:
     """
     places = grid.places().reshape(3, -1)
     flat, turned = names.ravel().copy(), normals.reshape(3, -1).copy()
-    sides = [(down * names.shape[1] + right, grid.smooth_to((down, right)).ravel()) for down, right in SIDES]
+    ways = [(down * names.shape[1] + right, grid.smooth_to((down, right)).ravel()) for down, right in sides()]
     waiting = np.flatnonzero(grid.known.ravel() & (flat == 0))
     while True:
         nearest, least = np.full(len(waiting), -1), np.full(len(waiting), np.inf)
-        for offset, smooth in sides:
+        for offset, smooth in ways:
             there = waiting + offset
             off = np.abs(((places[:, waiting] - places[:, there]) * turned[:, there]).sum(axis=0))
             closer = (flat[there] > 0) & smooth[waiting] & (off < least)

@@ -9,8 +9,6 @@ from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray
 from flatgrasp_cli.scene.parting.view_grid import REACH_CELLS, Step, ViewGrid, neighbours, shifted
 
 LINES: tuple[Step, ...] = ((0, 1), (1, 0), (1, 1), (1, -1))
-LEAST_NEIGHBOURS = 3
-"""Neighbours of a cell that a plane needs besides itself."""
 
 
 def seam_cells(grid: ViewGrid, normals: FloatArray, has_normal: BoolArray, seam_deg: float) -> BoolArray:
@@ -72,7 +70,7 @@ def surface_normals(grid: ViewGrid) -> tuple[FloatArray, BoolArray]:
     uu, uv, vv = uu - u * u / count, uv - u * v / count, vv - v * v / count
     uw, vw = uw - u * w / count, vw - v * w / count
     spread = uu * vv - uv * uv
-    has_normal = grid.known & (count > LEAST_NEIGHBOURS) & (spread > 1e-3 * (uu + vv) ** 2)
+    has_normal = grid.known & (count > len(values)) & (spread > 1e-3 * (uu + vv) ** 2)
     spread = np.where(has_normal, spread, 1.0)
     along_x, along_y = (uw * vv - vw * uv) / spread, (vw * uu - uw * uv) / spread
     level = inverse + (w - along_x * u - along_y * v) / count - along_x * x - along_y * y
