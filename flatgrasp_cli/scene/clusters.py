@@ -8,7 +8,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.arrays import IN_CACHE, BoolArray, ByteArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.frames import Frame, frame_on_plane
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 from flatgrasp_cli.geometry.raster import Raster
@@ -16,24 +16,18 @@ from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.geometry.scatter import deviation
 from flatgrasp_cli.model import Floor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
-from flatgrasp_cli.scene.cells import LEVEL_WINDOW_M, SortedPoints, fitting_cell_m, smoothed
+from flatgrasp_cli.scene.cells import LEVEL_WINDOW_M, MIN_POINTS, SMOOTH_CELLS, SortedPoints, fitting_cell_m, smoothed
 from flatgrasp_cli.scene.masks import ends_of, hull_of, span_of
 from flatgrasp_cli.scene.strays import lonely
-from flatgrasp_cli.scene.support_plane import FINE_SAMPLE, SIGMAS, flatness_m
+from flatgrasp_cli.scene.support_plane import FINE_SAMPLE, GOOD_PART, SIGMAS, flatness_m
 
-SMOOTH_CELLS = 3
-"""Side of the window over which cells are averaged, in cells: the mean of nine has a third of one cell's noise."""
-MIN_POINTS = 30
-"""Least number of points in the cells of an object: with fewer, an outline is mostly noise."""
-BLOCK = 16_384
-"""Points worked on at once: as many as stay in a processor's cache. A result does not depend on it."""
 NEAR_M = 0.2
 """Points farther than this from an object's bounding box, metres, cannot meet the hand: those so far outside of the
 support plane are the room behind the table."""
-SECTORS, LEAST_AROUND = 16, 0.3
-"""Directions around an object, and in how many of them the support plane must be seen if the object stands on it: seen
-obliquely before a wall, a third of them are left. As much of the plane must lie outside the objects' convex hulls, or
-it is a part of an object: the floor of a pan, whose rim stands around it."""
+SECTORS = 16
+"""Directions around an object. In a good part of them the support plane is seen if the object stands on it: seen
+obliquely before a wall, a third are left. As good a part of the plane must lie outside the objects' convex hulls, or it
+is a part of an object: the floor of a pan, whose rim stands around it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -80,7 +74,7 @@ def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettin
         members=tuple(rows[piece == name] for name in chosen),
         clutter=rows[~np.isin(piece, chosen)],
         floor=_floor(frame, found, total, rows, heights[rows], settings.least_part_m),
-        lie_on_table=bool(chosen) and _outside_share(labels, chosen, table) >= LEAST_AROUND,
+        lie_on_table=bool(chosen) and _outside_share(labels, chosen, table) >= GOOD_PART,
         extent_m=float(found.raster.cell_m * np.hypot(*span_of(table))),
     )
 
@@ -109,8 +103,8 @@ def _sorted(
     cell, heights = np.empty(len(points), dtype=np.intp), np.empty(len(points))
     offset = float(frame.axes[2] @ frame.origin)
     low, high = raster.inside
-    for first in range(0, len(points), BLOCK):
-        part = slice(first, first + BLOCK)
+    for first in range(0, len(points), IN_CACHE):
+        part = slice(first, first + IN_CACHE)
         block = points[part]
         x, y, height = block @ frame.axes[0], block @ frame.axes[1], block @ frame.axes[2] - offset
         near = (x >= low[0]) & (x < high[0]) & (y >= low[1]) & (y < high[1]) & (height > lowest_m)
@@ -190,10 +184,7 @@ def _objects(found: SortedPoints, labels: IntArray, table: BoolArray, settings: 
         own = np.stack([row[name_of == name], column[name_of == name]])
         low, high = own.min(axis=1), own.max(axis=1) + 1
         middle = own.mean(axis=1)
-        if (
-            shapely.contains_xy(amid, *middle)
-            and _sectors(low, high, middle, table, least_part) >= LEAST_AROUND * SECTORS
-        ):
+        if shapely.contains_xy(amid, *middle) and _sectors(low, high, middle, table, least_part) >= GOOD_PART * SECTORS:
             chosen.append(name)
     return sorted(chosen, key=lambda name: -int(cells[name]))
 

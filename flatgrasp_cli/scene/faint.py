@@ -11,15 +11,13 @@ from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.clusters import Clusters
+from flatgrasp_cli.scene.parting.joints import MOST
 from flatgrasp_cli.scene.parting.view_grid import image_of
 from flatgrasp_cli.scene.support_plane import SAMPLE, SIGMAS, flatness_m
 
-GHOST_M, GHOST_PX, GHOST_SHARE = 0.01, 10.0, 0.8
-"""A ripple of the plane beside the edge of something nearer: the share of it, at least, that lies so near to that edge
-in the image, in pixels, and the most, metres, that it is high on average. Sensors that match windows of some 20 pixels
-take what half of such a window shows for one surface."""
-NEARER_M = 0.05
-"""Something nearer by this casts a shadow; what a low thing stands beside is not so far off."""
+GHOST_PX = 10.0
+"""Of a ripple of the plane beside the edge of something nearer most lies so near to that edge in the image, in pixels:
+sensors that match windows of some 20 pixels take what half of such a window shows for one surface."""
 
 
 def without_faint(
@@ -40,10 +38,10 @@ def without_faint(
         height_m = float(plane.heights(own).mean())
         if height_m < SIGMAS * plane.noise_m * share**2:
             return True
-        if height_m > GHOST_M:
+        if height_m > settings.min_size_m:
             return False
         standing = points[np.concatenate([*clusters.members, clusters.clutter])]
-        return _at_edge_share(own, standing, viewpoint, reach) >= GHOST_SHARE
+        return _at_edge_share(own, standing, viewpoint, reach, settings.least_part_m) >= MOST
 
     sure, faint = list[IntArray](), [clusters.clutter]
     for rows in clusters.members:
@@ -51,12 +49,17 @@ def without_faint(
     return replace(clusters, members=tuple(sure), clutter=np.concatenate(faint))
 
 
-def _at_edge_share(own: FloatArray, standing: FloatArray, viewpoint: FloatArray, reach: float) -> float:
-    """Share of the points `own` (k, 3) seen within an angle `reach` of a nearer one of those `standing` (n, 3)."""
+def _at_edge_share(
+    own: FloatArray, standing: FloatArray, viewpoint: FloatArray, reach: float, nearer_m: float
+) -> float:
+    """Share of the points `own` (k, 3) seen within an angle `reach` of one of those `standing` (n, 3) before it.
+
+    What is nearer by less than `nearer_m` casts no shadow: a low thing may stand beside it.
+    """
     x, y, depth = image_of(np.concatenate([own, standing]), viewpoint)
     (x, others_x), (y, others_y), (depth, others_depth) = (np.split(values, [len(own)]) for values in (x, y, depth))
-    near = (others_x > x.min() - reach) & (others_x < x.max() + reach) & (others_depth < depth.max() - NEARER_M)
+    near = (others_x > x.min() - reach) & (others_x < x.max() + reach) & (others_depth < depth.max() - nearer_m)
     near &= (others_y > y.min() - reach) & (others_y < y.max() + reach)
     away = np.hypot(x[:, None] - others_x[near], y[:, None] - others_y[near])
-    nearer = others_depth[near] < depth[:, None] - NEARER_M
+    nearer = others_depth[near] < depth[:, None] - nearer_m
     return float(((away < reach) & nearer).any(axis=1).mean())

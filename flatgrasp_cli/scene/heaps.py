@@ -12,7 +12,8 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from flatgrasp_cli.model import SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
-from flatgrasp_cli.scene.clusters import MIN_POINTS, Clusters
+from flatgrasp_cli.scene.cells import MIN_POINTS
+from flatgrasp_cli.scene.clusters import Clusters
 from flatgrasp_cli.scene.container import Container, find_container
 from flatgrasp_cli.scene.parting import Limits, Surface, pieces
 from flatgrasp_cli.scene.support_plane import flatness_m

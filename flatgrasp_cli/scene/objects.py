@@ -8,6 +8,7 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.model import Cloud, ObjectCloud, Sensor, SupportPlane
+from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.clusters import NEAR_M, Clusters
 from flatgrasp_cli.scene.heaps import LONGEST_WHOLE_M
 from flatgrasp_cli.scene.picture import at_table_edge, cut_off
@@ -23,7 +24,7 @@ def overlook(points: FloatArray, sensor: Sensor, plane: SupportPlane) -> FloatAr
 
 
 def objects_of(
-    cloud: Cloud, sensor: Sensor, plane: SupportPlane, clusters: Clusters
+    cloud: Cloud, sensor: Sensor, plane: SupportPlane, clusters: Clusters, settings: SceneSettings
 ) -> tuple[tuple[ObjectCloud, ...], tuple[ObjectCloud, ...]]:
     """The clusters as objects, and the groups of those that touch and may be one; each with what stands near it."""
     rows = (*clusters.members, clusters.clutter, clusters.container)
@@ -32,8 +33,8 @@ def objects_of(
     places = [np.arange(end - len(own), end) for own, end in zip(clusters.members, ends, strict=True)]
     groups = clusters.groups or (None,) * len(places)
     around = _Around(standing, sensor, plane, clusters)
-    carried = supported_by(cloud.points, clusters.members, clusters.floor)
-    at_edge = at_table_edge(cloud.points, clusters.members, clusters.floor)
+    carried = supported_by(cloud.points, clusters.members, clusters.floor, 0.5 * settings.min_size_m)
+    at_edge = at_table_edge(cloud.points, clusters.members, clusters.floor, settings.least_part_m)
     cut = cut_off(cloud, overlook(cloud.points, sensor, plane), clusters.members, clusters.floor.spacing_m)
     objects = tuple(
         replace(

@@ -20,8 +20,6 @@ LARGEST_EXTENT_M = 20.0
 """No view of objects for a gripper is wider than this, metres; a lidar's is, and so is a cloud in millimetres."""
 NO_PLANE = "no support plane was found"
 NOTHING_STANDS = "nothing stands on the support plane"
-LEAST_BELOW_M = 0.010
-"""A table's own ripple, metres: what lies close below a plane is lower."""
 BELOW_SHARE = 0.03
 """Share of points close below a plane, of those on it, from which on the plane is a part of a body. Real tables have
 less than 1 %, at their edges."""
@@ -58,7 +56,7 @@ def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
     ):
         return _alone(cloud.points, sensor, settings)
     clusters = heap.apart(container)
-    objects, wholes = objects_of(cloud, sensor, plane, clusters)
+    objects, wholes = objects_of(cloud, sensor, plane, clusters, settings)
     return Scene(
         support=plane,
         objects=selected(objects, settings.select, sensor),
@@ -86,7 +84,7 @@ def _goes_on_below(points: FloatArray, plane: SupportPlane, settings: SceneSetti
     """Whether much lies close below a plane, as a body's flanks do below a plane through its front."""
     heights, flat_m = plane.heights(points[spread_indices(len(points), SAMPLE)]), flatness_m(plane, settings)
     on = np.abs(heights) < flat_m
-    below = (heights < -max(flat_m, LEAST_BELOW_M)) & (heights > -MOST_BELOW_M)
+    below = (heights < -max(flat_m, settings.min_size_m)) & (heights > -MOST_BELOW_M)
     return bool(below.sum() > BELOW_SHARE * on.sum())
 
 

@@ -28,16 +28,12 @@ REACH_M = 1.0
 MIN_SENSOR_HEIGHT_M = 0.1
 """A viewpoint closer to the plane than this, metres, is no sensor's: clouds in a table's own frame have it at the
 origin."""
-PARALLEL_COS = np.cos(np.radians(10))
-"""Cosine of the angle within which planes lie on top of each other: a table and its floor are parallel, but hypotheses
-are some degrees off."""
-SECOND_SHARE = 0.3
-"""Of planes on top of each other (table, floor) the nearer counts if it has this share of the larger one's points: a
-table that is the subject of a view fills a good part of it, a box on it does not."""
-CLEAR_BELOW, MOST_BELOW_M, MOST_CUT = 2.0, 0.1, 0.15
-"""What lies lower by so many tolerances, and no more than by this, is close below a plane; and how many such points,
-over its own, a plane may have. Beside tables there are edges, and below them a floor that is farther away; a plane
-through the tops of things in a bin has half of the bin below it."""
+GOOD_PART = 0.3
+"""A good part of a whole. Of planes on top of each other (table, floor) the nearer counts if it has such a part of the
+larger one's points: a table that is the subject of a view fills it, a box on it does not."""
+MOST_BELOW_M = 0.1
+"""What lies lower by no more than this, metres, is close below a plane: below tables there is a floor that is farther
+away."""
 SIGMAS = 3.0
 """Standard deviations of noise within which points belong to a plane, depths to one surface, and bends to a flat one:
 99.7 % do."""
@@ -64,10 +60,10 @@ def find_support_plane(points: FloatArray, sensor: Sensor, settings: SceneSettin
         fits = planes  # too large for an object alone: a low camera looks along the floor
     if not fits:
         return None
-    fits = [fit for fit in fits if not _cuts(fit, sample, sensor)] or fits
+    fits = [fit for fit in fits if not _cuts(fit, sample, sensor, settings)] or fits
     biggest = max(fits, key=lambda fit: fit.share)
-    stacked = [fit for fit in fits if fit.normal @ biggest.normal > PARALLEL_COS]
-    stacked = [fit for fit in stacked if fit.share > SECOND_SHARE * biggest.share]
+    stacked = [fit for fit in fits if fit.normal @ biggest.normal > np.cos(np.radians(settings.max_tilt_deg))]
+    stacked = [fit for fit in stacked if fit.share > GOOD_PART * biggest.share]
     nearest = max(stacked, key=lambda fit: fit.offset)
     points = points[spread_indices(len(points), FINE_SAMPLE)]
     tolerance = float(np.median(_tolerance(points, sensor)))
@@ -87,11 +83,14 @@ def looks_down(sensor: Sensor, normal: FloatArray, offset: float) -> bool:
     return bool(normal @ sensor.position - offset >= MIN_SENSOR_HEIGHT_M)
 
 
-def _cuts(fit: _Fit, sample: FloatArray, sensor: Sensor) -> bool:
-    """Whether much goes on close below a plane, which then is one through things and not what they stand on."""
+def _cuts(fit: _Fit, sample: FloatArray, sensor: Sensor, settings: SceneSettings) -> bool:
+    """Whether as much goes on close below a plane as would make another: then it cuts through things.
+
+    Beside tables there are edges, but a plane through the tops of things in a bin has half of the bin below it.
+    """
     heights, tolerance = sample @ fit.normal - fit.offset, _tolerance(sample, sensor)
-    below = (heights < -CLEAR_BELOW * tolerance) & (heights > -MOST_BELOW_M)
-    return int(np.count_nonzero(below)) > MOST_CUT * int(np.count_nonzero(np.abs(heights) < tolerance))
+    below = (heights < -tolerance) & (heights > -MOST_BELOW_M)
+    return int(np.count_nonzero(below)) > settings.min_plane_share * int(np.count_nonzero(np.abs(heights) < tolerance))
 
 
 def _faces(fit: _Fit, sample: FloatArray, sensor: Sensor, settings: SceneSettings) -> bool:
@@ -111,7 +110,7 @@ def _planes(sample: FloatArray, sensor: Sensor, settings: SceneSettings, seed: i
     """Planes one after another, each from the points that the ones before it left over."""
     rng = np.random.default_rng(seed)
     rest, biggest = sample, 0.0
-    while len(rest) >= max(3, len(sample) * max(settings.min_plane_share, SECOND_SHARE * biggest)):
+    while len(rest) >= max(3, len(sample) * max(settings.min_plane_share, GOOD_PART * biggest)):
         plane = consensus_plane(rest, _tolerance(rest, sensor), rng)
         if plane is None:
             return

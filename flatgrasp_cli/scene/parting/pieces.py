@@ -8,14 +8,11 @@ import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
-from flatgrasp_cli.scene.cells import LEAST_CELL_M, POINTS_PER_CELL
-from flatgrasp_cli.scene.parting.joints import CORE_CELLS, held_together
+from flatgrasp_cli.scene.cells import LEAST_CELL_M, MIN_POINTS, POINTS_PER_CELL, SMOOTH_CELLS
+from flatgrasp_cli.scene.parting.joints import held_together
 from flatgrasp_cli.scene.parting.seams import color_seam_cells, seam_cells, surface_normals
 from flatgrasp_cli.scene.parting.view_grid import DOWN, RIGHT, ViewGrid, shifted, sides
 from flatgrasp_cli.scene.support_plane import SIGMAS
-
-LEAST_CELLS = 30
-"""Cells of a piece, at least: of fewer most lie at its own edge, where normals are poor."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,12 +57,12 @@ def pieces(surface: Surface, limits: Limits) -> IntArray:
     if surface.colors is not None and limits.seam_color is not None:
         seams |= color_seam_cells(grid, surface.colors, limits.seam_color)
     names = _connected(grid, has_normal & ~seams)
-    for least_cells in (CORE_CELLS, max(LEAST_CELLS, (limits.least_m / grid.cell_m) ** 2)):
+    for least_cells in (SMOOTH_CELLS**2, max(MIN_POINTS, (limits.least_m / grid.cell_m) ** 2)):
         names = _of_size(names, least_cells)
         if np.count_nonzero(np.bincount(names.ravel())[1:]) < 2:
             return np.ones(len(surface.points), dtype=np.intp)
         names = _flooded(grid, names, normals)
-    names = _over_necks(grid, held_together(grid, _nearest(names)), limits.neck_m)
+    names = _over_necks(grid, held_together(grid, _nearest(names), limits.least_m), limits.neck_m)
     return np.asarray(grid.of_points(names))
 
 
