@@ -61,7 +61,7 @@ def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettin
     if not table.any():
         return None
     standing = _standing(found, own, table, plane.noise_m, settings)
-    labels = _labels(_bridged(standing, settings.gap_m / found.raster.cell_m)) * standing
+    labels = _labels(_bridged(standing)) * standing
     chosen = _objects(found, labels, table, settings)
 
     # from here on only the points in cells that stand out, which are few
@@ -143,10 +143,10 @@ def _standing(
     return np.asarray((found.count > 0) & (smooth > threshold) & (own > np.maximum(threshold, sure)))
 
 
-def _bridged(mask: BoolArray, gap_cells: float) -> ByteArray:
-    """The mask grown on all sides by half of the gap that is to be bridged."""
+def _bridged(mask: BoolArray) -> ByteArray:
+    """The mask grown by a cell on all sides: nobody knows what lies within two cells in which there are few points."""
     cross = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
-    return np.asarray(cv2.dilate(mask.view(np.uint8), cross, iterations=round(0.5 * gap_cells)))
+    return np.asarray(cv2.dilate(mask.view(np.uint8), cross))
 
 
 def _labels(mask: Any) -> IntArray:

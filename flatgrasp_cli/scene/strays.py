@@ -52,7 +52,7 @@ def without_repeats(cloud: Cloud) -> Cloud:
 
 
 def _outside(points: FloatArray, low: FloatArray, high: FloatArray) -> IntArray:
-    """Rows of `points` (n, 3) outside a box; of most clouds no axis has any, which is told faster than which they are."""
+    """Rows of `points` (n, 3) outside a box; most often no axis has any, which is soon told."""
     outside = np.zeros(len(points), dtype=np.bool_)
     for values, least, most in zip(points.T, low, high, strict=True):
         if values.min() < least or values.max() > most:

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
-from flatgrasp_cli.profiles.base import Angle, Component, FarPlace, Length, Profile, Share, Size, not_zero
+from flatgrasp_cli.profiles.base import Angle, Component, FarPlace, Profile, Share, Size, not_zero
 
 
 class SceneSettings(Profile):
@@ -31,8 +31,6 @@ class SceneSettings(Profile):
     """Share of the points that a support plane has at least."""
     min_height_m: Size
     """Least height of an object, metres; more where the support plane's own cells scatter as high as that."""
-    gap_m: Length
-    """Parts of an object may be this far apart, metres; objects closer than this count as one."""
     min_size_m: Size
     """Objects whose footprint is smaller than a square of this side, metres, are taken for outliers."""
     max_size_m: Size

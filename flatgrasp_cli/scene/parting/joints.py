@@ -40,7 +40,7 @@ def held_together(grid: ViewGrid, names: IntArray, least_m: float) -> IntArray:
     than itself: the inside of a mug, a pan's bottom.
 
     A piece hangs if it was seen down to its lower edge, and that lies higher above the support plane than half of the
-    least part `least_m` is wide: noise and what the sensor loses at a foot are less, and a few cells hold flying points.
+    least part `least_m` is wide: noise and what the sensor loses at a foot are less, and few cells hold flying points.
     It does not lie on what it touches higher than where it ends by a fifth of that: a handle, and no lid.
     """
     names = np.where(grid.known, names, 0)
