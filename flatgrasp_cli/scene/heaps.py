@@ -48,7 +48,7 @@ class Heap:
     def container(self) -> Container | None:
         """The bin around what stands on the plane, if there is one; one with nothing in it is an object."""
         stated = self.settings.mode == "bin"
-        found = find_container(self.points[self._standing], self.clusters.floor, stated=stated)
+        found = find_container(self.points[self._standing], self.clusters.floor, self.settings)
         return found if stated or (found is not None and self._in_container(found).members) else None
 
     def apart(self, container: Container | None) -> Clusters:
