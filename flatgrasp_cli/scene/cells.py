@@ -12,9 +12,6 @@ from flatgrasp_cli.geometry.raster import Raster
 
 POINTS_PER_CELL = 4.0
 """Points that a cell should hold: their mean has half of a point's noise, and nine cells' a sixth."""
-LEAST_CELL_M = 0.002
-"""Least side of a cell, metres: as fine as an outline is known. The largest is twice as large as those that the density
-is measured in, for they hold a point."""
 SMOOTH_CELLS = 3
 """Side of the window over which cells are averaged, in cells: the mean of nine has a third of one cell's noise."""
 MIN_POINTS = 30
@@ -60,7 +57,7 @@ def fitting_cell_m(x: FloatArray, y: FloatArray, coarse_m: float, every: float =
     coarse = Raster.over(low, high, coarse_m * np.sqrt(every))
     count = coarse.count(coarse.cells_within(x, y))
     density = every * float(np.median(count[count > 0])) / coarse.cell_m**2
-    return float(max(LEAST_CELL_M, np.sqrt(POINTS_PER_CELL / density)))
+    return float(np.sqrt(POINTS_PER_CELL / density))
 
 
 def smoothed(values: FloatArray, where: BoolArray | IntArray, cells: int) -> FloatArray:

@@ -19,11 +19,8 @@ from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.cells import LEVEL_WINDOW_M, MIN_POINTS, SMOOTH_CELLS, SortedPoints, fitting_cell_m, smoothed
 from flatgrasp_cli.scene.masks import ends_of, hull_of, span_of
 from flatgrasp_cli.scene.strays import lonely
-from flatgrasp_cli.scene.support_plane import FINE_SAMPLE, GOOD_PART, SIGMAS, flatness_m
+from flatgrasp_cli.scene.support_plane import FINE_SAMPLE, GOOD_PART, NEAR_M, SIGMAS, flatness_m
 
-NEAR_M = 0.2
-"""Points farther than this from an object's bounding box, metres, cannot meet the hand: those so far outside of the
-support plane are the room behind the table."""
 SECTORS = 16
 """Directions around an object. In a good part of them the support plane is seen if the object stands on it: seen
 obliquely before a wall, a third are left. As good a part of the plane must lie outside the objects' convex hulls, or it
@@ -53,7 +50,7 @@ class Clusters:
 def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettings) -> Clusters | None:
     """The objects among `points` (n, 3) on `plane`, largest first; None if no cell shows the plane itself."""
     frame, flat_m = frame_on_plane(plane.normal, plane.offset_m), flatness_m(plane, settings)
-    raster = _raster(points, frame, flat_m, settings.min_size_m)
+    raster = _raster(points, frame, flat_m, settings.least_part_m / SMOOTH_CELLS)
     found, heights = _sorted(points, frame, raster, -flat_m, settings.least_part_m)
     total = found.total(heights)
     own = total / np.maximum(found.count, 1)
@@ -61,7 +58,7 @@ def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettin
     if not table.any():
         return None
     standing = _standing(found, own, table, plane.noise_m, settings)
-    labels = _labels(_bridged(standing)) * standing
+    labels = _labels(_bridged(standing, 0.5 * settings.min_size_m / raster.cell_m)) * standing
     chosen = _objects(found, labels, table, settings)
 
     # from here on only the points in cells that stand out, which are few
@@ -143,10 +140,10 @@ def _standing(
     return np.asarray((found.count > 0) & (smooth > threshold) & (own > np.maximum(threshold, sure)))
 
 
-def _bridged(mask: BoolArray) -> ByteArray:
-    """The mask grown by a cell on all sides: nobody knows what lies within two cells in which there are few points."""
+def _bridged(mask: BoolArray, gap_cells: float) -> ByteArray:
+    """The mask grown on all sides by half of the gap that is to be bridged, into which not half of a finger fits."""
     cross = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
-    return np.asarray(cv2.dilate(mask.view(np.uint8), cross))
+    return np.asarray(cv2.dilate(mask.view(np.uint8), cross, iterations=round(0.5 * gap_cells)))
 
 
 def _labels(mask: Any) -> IntArray:

@@ -15,9 +15,9 @@ from flatgrasp_cli.scene.parting.joints import MOST
 from flatgrasp_cli.scene.parting.view_grid import image_of
 from flatgrasp_cli.scene.support_plane import SAMPLE, SIGMAS, flatness_m
 
-GHOST_PX = 10.0
-"""Of a ripple of the plane beside the edge of something nearer most lies so near to that edge in the image, in pixels:
-sensors that match windows of some 20 pixels take what half of such a window shows for one surface."""
+WINDOW_PX = 10.0
+"""So near to an edge, in pixels, an image is not to be trusted: sensors that match windows of some 20 pixels take what
+half of such a window shows for one surface. Most of a ripple beside the edge of something nearer lies there."""
 
 
 def without_faint(
@@ -31,14 +31,14 @@ def without_faint(
     sample = points[spread_indices(len(points), SAMPLE)]
     flat = sample[np.abs(plane.heights(sample)) < flatness_m(plane, settings)]
     usual_m = float(np.median(np.linalg.norm((flat if len(flat) else sample) - viewpoint, axis=1)))
-    reach = GHOST_PX * clusters.floor.spacing_m / usual_m
+    reach = WINDOW_PX * clusters.floor.spacing_m / usual_m
 
     def is_faint(own: FloatArray) -> bool:
         share = float(np.linalg.norm(own.mean(axis=0) - viewpoint)) / usual_m
-        height_m = float(plane.heights(own).mean())
-        if height_m < SIGMAS * plane.noise_m * share**2:
+        heights = plane.heights(own)
+        if float(np.quantile(heights, MOST)) < SIGMAS * plane.noise_m * share**2:
             return True
-        if height_m > settings.min_size_m:
+        if float(heights.mean()) > settings.min_size_m:
             return False
         standing = points[np.concatenate([*clusters.members, clusters.clutter])]
         return _at_edge_share(own, standing, viewpoint, reach, settings.least_part_m) >= MOST

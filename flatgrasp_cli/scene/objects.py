@@ -9,11 +9,11 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.model import Cloud, ObjectCloud, Sensor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
-from flatgrasp_cli.scene.clusters import NEAR_M, Clusters
+from flatgrasp_cli.scene.clusters import Clusters
 from flatgrasp_cli.scene.heaps import LONGEST_WHOLE_M
 from flatgrasp_cli.scene.picture import at_table_edge, cut_off
 from flatgrasp_cli.scene.stacking import supported_by
-from flatgrasp_cli.scene.support_plane import REACH_M, looks_down
+from flatgrasp_cli.scene.support_plane import NEAR_M, REACH_M, looks_down
 
 
 def overlook(points: FloatArray, sensor: Sensor, plane: SupportPlane) -> FloatArray:

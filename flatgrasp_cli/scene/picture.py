@@ -11,14 +11,11 @@ from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Cloud, Floor
 from flatgrasp_cli.scene.cells import SMOOTH_CELLS
 from flatgrasp_cli.scene.clusters import SECTORS
+from flatgrasp_cli.scene.faint import WINDOW_PX
 from flatgrasp_cli.scene.masks import hull_of
+from flatgrasp_cli.scene.parting.joints import MOST
 from flatgrasp_cli.scene.parting.view_grid import image_of
 from flatgrasp_cli.scene.support_plane import FINE_SAMPLE
-
-EDGE_PX = 4.0
-"""So near to the picture's edge, in pixels, what goes on ends: sensors drop the outermost one or two."""
-MARGIN_SHARE = 0.07
-"""Of an image's width and height sensors leave this much empty at a side: stereo cameras up to 0.06."""
 
 
 def cut_off(cloud: Cloud, viewpoint: FloatArray, members: tuple[IntArray, ...], spacing_m: float) -> tuple[bool, ...]:
@@ -35,7 +32,7 @@ def cut_off(cloud: Cloud, viewpoint: FloatArray, members: tuple[IntArray, ...], 
         pixel = np.flatnonzero(cloud.pixels.filled)
         picture, own = (np.column_stack(np.divmod(pixel[chosen], width))[:, ::-1] for chosen in (sample, rows))
         size = np.array(cloud.pixels.shape[::-1], dtype=np.float64)
-        limits = MARGIN_SHARE * size, (1 - MARGIN_SHARE) * size
+        limits = (1 - MOST) * size, MOST * size  # stereo cameras leave up to 0.06 of it empty at a side
     else:
         x, y, depth = image_of(cloud.points[np.concatenate([sample, rows])], viewpoint)
         both = np.column_stack([x, y]) * (float(np.median(depth)) / spacing_m)
@@ -81,4 +78,5 @@ def _at_edge(picture: FloatArray, own: FloatArray, limits: tuple[FloatArray, Flo
 
 
 def _near(values: FloatArray, end: float) -> BoolArray:
-    return np.asarray(np.abs(values - end) <= EDGE_PX)
+    """Which values, in pixels, lie so near to the picture's end that a sensor may have dropped what lies beyond."""
+    return np.asarray(np.abs(values - end) <= WINDOW_PX)

@@ -14,15 +14,15 @@ from flatgrasp_cli.scene.heaps import Heap
 from flatgrasp_cli.scene.objects import objects_of, overlook
 from flatgrasp_cli.scene.selection import cropped, selected
 from flatgrasp_cli.scene.strays import TAIL_SHARE
-from flatgrasp_cli.scene.support_plane import MOST_BELOW_M, SAMPLE, find_support_plane, flatness_m
+from flatgrasp_cli.scene.support_plane import NEAR_M, SAMPLE, find_support_plane, flatness_m
 
 LARGEST_EXTENT_M = 20.0
 """No view of objects for a gripper is wider than this, metres; a lidar's is, and so is a cloud in millimetres."""
 NO_PLANE = "no support plane was found"
-NOTHING_STANDS = "nothing stands on the support plane"
 BELOW_SHARE = 0.03
 """Share of points close below a plane, of those on it, from which on the plane is a part of a body. Real tables have
 less than 1 %, at their edges."""
+NOTHING_STANDS = "nothing stands on the support plane"
 
 
 def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
@@ -81,10 +81,10 @@ def _too_large(points: FloatArray) -> str | None:
 
 
 def _goes_on_below(points: FloatArray, plane: SupportPlane, settings: SceneSettings) -> bool:
-    """Whether much lies close below a plane, as a body's flanks do below a plane through its front."""
+    """Whether much lies close below a plane, as a body's flanks do below its front."""
     heights, flat_m = plane.heights(points[spread_indices(len(points), SAMPLE)]), flatness_m(plane, settings)
     on = np.abs(heights) < flat_m
-    below = (heights < -max(flat_m, settings.min_size_m)) & (heights > -MOST_BELOW_M)
+    below = (heights < -max(flat_m, settings.min_size_m)) & (heights > -NEAR_M)
     return bool(below.sum() > BELOW_SHARE * on.sum())
 
 

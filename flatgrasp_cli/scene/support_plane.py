@@ -25,15 +25,15 @@ TOLERANCE_SHARE = 0.008
 of a structured-light sensor at 2 m (Khoshelham & Elberink 2012)."""
 REACH_M = 1.0
 """Arms reach no farther, metres: a sensor whose place is not known is so far away, and strays are farther off."""
-MIN_SENSOR_HEIGHT_M = 0.1
-"""A viewpoint closer to the plane than this, metres, is no sensor's: clouds in a table's own frame have it at the
-origin."""
+NEAREST_M = 0.1
+"""Nearer than this, metres, no sensor sees anything: a viewpoint that is closer to the plane is none's. Clouds in a
+table's own frame have it at the origin."""
 GOOD_PART = 0.3
 """A good part of a whole. Of planes on top of each other (table, floor) the nearer counts if it has such a part of the
 larger one's points: a table that is the subject of a view fills it, a box on it does not."""
-MOST_BELOW_M = 0.1
-"""What lies lower by no more than this, metres, is close below a plane: below tables there is a floor that is farther
-away."""
+NEAR_M = 0.2
+"""Points farther than this from something, metres, have nothing to do with it: they cannot meet a hand at an object,
+and what lies so far below or beside a table is the floor, or the room behind it."""
 SIGMAS = 3.0
 """Standard deviations of noise within which points belong to a plane, depths to one surface, and bends to a flat one:
 99.7 % do."""
@@ -80,7 +80,7 @@ def looks_down(sensor: Sensor, normal: FloatArray, offset: float) -> bool:
     """Whether the `sensor` looks at the plane from the side of its normal; False if its place is not known."""
     if sensor.position is None:
         return False
-    return bool(normal @ sensor.position - offset >= MIN_SENSOR_HEIGHT_M)
+    return bool(normal @ sensor.position - offset >= NEAREST_M)
 
 
 def _cuts(fit: _Fit, sample: FloatArray, sensor: Sensor, settings: SceneSettings) -> bool:
@@ -89,7 +89,7 @@ def _cuts(fit: _Fit, sample: FloatArray, sensor: Sensor, settings: SceneSettings
     Beside tables there are edges, but a plane through the tops of things in a bin has half of the bin below it.
     """
     heights, tolerance = sample @ fit.normal - fit.offset, _tolerance(sample, sensor)
-    below = (heights < -tolerance) & (heights > -MOST_BELOW_M)
+    below = (heights < -tolerance) & (heights > -NEAR_M)
     return int(np.count_nonzero(below)) > settings.min_plane_share * int(np.count_nonzero(np.abs(heights) < tolerance))
 
 

@@ -238,8 +238,8 @@ class TestCutOff:
         assert [item.object.cut_off for item in found.objects] in ([False], [False, True])
         assert found.objects[0].object.points[:, 0].mean() == pytest.approx(-0.05, abs=0.01)
 
-    @pytest.mark.parametrize(("x", "at_edge"), [(0.38, False), (0.42, True)])
-    def test_what_lies_within_5_cm_of_the_tables_edge_is_marked_and_last(self, x: float, at_edge: bool) -> None:
+    @pytest.mark.parametrize(("x", "at_edge"), [(0.38, False), (0.43, True)])
+    def test_what_lies_within_3_cm_of_the_tables_edge_is_marked_and_last(self, x: float, at_edge: bool) -> None:
         """The table ends at 0.45 m. The object there is the easier one: lower, and as wide."""
         low = Box((x, 0.0, 0.015), (0.03, 0.05, 0.03))
         cloud = Camera(distance=1.2, pixels=(400, 300), focal=400.0).sees(TABLE, low, self.WHOLE)

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
-from flatgrasp_cli.scene.cells import LEAST_CELL_M, MIN_POINTS, POINTS_PER_CELL, SMOOTH_CELLS
+from flatgrasp_cli.scene.cells import MIN_POINTS, POINTS_PER_CELL, SMOOTH_CELLS
 from flatgrasp_cli.scene.parting.joints import held_together
 from flatgrasp_cli.scene.parting.seams import color_seam_cells, seam_cells, surface_normals
 from flatgrasp_cli.scene.parting.view_grid import DOWN, RIGHT, ViewGrid, shifted, sides
@@ -48,9 +48,7 @@ class Surface:
 def pieces(surface: Surface, limits: Limits) -> IntArray:
     """Names (n,), positive, of the pieces that a surface is made of."""
     spacing_m, noise_m = surface.spacing_m, surface.noise_m
-    cell_m = max(
-        LEAST_CELL_M, np.sqrt(POINTS_PER_CELL) * spacing_m, fitting_cell_m(spacing_m, noise_m, limits.seam_deg)
-    )
+    cell_m = max(float(np.sqrt(POINTS_PER_CELL)) * spacing_m, fitting_cell_m(spacing_m, noise_m, limits.seam_deg))
     grid = ViewGrid.of(surface.points, surface.heights, surface.viewpoint, cell_m, noise_m)
     normals, has_normal = surface_normals(grid)
     seams = seam_cells(grid, normals, has_normal, limits.seam_deg)

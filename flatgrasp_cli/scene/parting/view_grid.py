@@ -11,15 +11,13 @@ from numpy.typing import NDArray
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.raster import Raster
-from flatgrasp_cli.scene.support_plane import SIGMAS
+from flatgrasp_cli.scene.support_plane import NEAREST_M, SIGMAS
 
 LOST_DEG = 15.0
 """A surface seen more flatly than this returns nothing to a depth camera, so one that was seen is no steeper."""
 REACH_CELLS = 2
 """How far on both sides of a cell a bend is measured: the normals there see three cells each, and not the seam. Shifted
 images wrap around, so that more cells than that are empty around all points."""
-LEAST_AHEAD = 0.1
-"""Of points nearer than this share of the distance to most, or behind the viewpoint, there is no image."""
 
 Step = tuple[int, int]
 DOWN: Step = (1, 0)
@@ -137,5 +135,5 @@ def image_of(points: FloatArray, viewpoint: FloatArray) -> tuple[FloatArray, Flo
     across = np.cross(np.eye(3)[int(np.argmin(np.abs(sight)))], sight)
     across /= np.linalg.norm(across)
     local = np.stack([across, np.cross(sight, across), sight]) @ (points - viewpoint).T
-    ahead = np.maximum(local[2], LEAST_AHEAD * float(np.median(local[2])))
+    ahead = np.maximum(local[2], NEAREST_M)  # of points beside or behind the viewpoint there is no image
     return local[0] / ahead, local[1] / ahead, local[2]
