@@ -8,6 +8,7 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Cloud, ObjectCloud, Scene, Sensor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
+from flatgrasp_cli.scene.cells import SMOOTH_CELLS
 from flatgrasp_cli.scene.clusters import find_clusters
 from flatgrasp_cli.scene.faint import without_faint
 from flatgrasp_cli.scene.heaps import Heap
@@ -84,7 +85,7 @@ def _goes_on_below(points: FloatArray, plane: SupportPlane, settings: SceneSetti
     """Whether much lies close below a plane, as a body's flanks do below its front."""
     heights, flat_m = plane.heights(points[spread_indices(len(points), SAMPLE)]), flatness_m(plane, settings)
     on = np.abs(heights) < flat_m
-    below = (heights < -max(flat_m, settings.min_size_m)) & (heights > -NEAR_M)
+    below = (heights < -max(flat_m, settings.least_part_m / SMOOTH_CELLS)) & (heights > -NEAR_M)
     return bool(below.sum() > BELOW_SHARE * on.sum())
 
 
