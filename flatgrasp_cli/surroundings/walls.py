@@ -93,4 +93,10 @@ def walls(fingers: FingerCandidates, surface: HeightMap, highest: HeightMap, lev
     profile, crests = (
         np.sort(np.where(known, each, 0.0), axis=1)[:, len(ALONG_PAD) // 2] for each in (heights, highest.over(*places))
     )
-    return Walls(top, boundary, np.where(flank, slope * INWARD_M[WALL_PLACES - 1], 0.0), profile, crests)
+    return Walls(
+        top=top,
+        boundary=boundary,
+        flank=np.where(flank, slope * INWARD_M[WALL_PLACES - 1], 0.0),
+        profile=profile,
+        crests=crests,
+    )
