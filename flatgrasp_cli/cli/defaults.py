@@ -150,7 +150,7 @@ def _options(command: click.Command) -> set[str]:
 
 
 def _check(path: Path, place: str, values: Mapping[Any, Any], known: set[str]) -> None:
-    from flatgrasp_cli.profiles.loading import suggestion
+    from flatgrasp_cli.profiles.faults import suggestion
 
     for key in values:
         if key not in known:

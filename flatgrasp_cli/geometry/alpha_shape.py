@@ -77,11 +77,13 @@ def alpha_region(points: FloatArray, alpha_m: float) -> Any:
 def _repaired(ring: FloatArray) -> Any:
     """The valid polygons within a `ring` (k, 2), without the lines and points in which it touches itself.
 
-    By its structure: what shapely makes of its lines can have a negative area, on which overlays fail.
+    By its structure: what shapely makes of its lines can have a negative area, on which overlays fail. If that is not
+    valid yet, as happens to rings that touch themselves within rounding, once more by its lines.
     """
     import shapely
 
-    return shapely.make_valid(shapely.Polygon(ring), method="structure", keep_collapsed=False)
+    found = shapely.make_valid(shapely.Polygon(ring), method="structure", keep_collapsed=False)
+    return found if found.is_valid else shapely.make_valid(found)
 
 
 def _rolled_around(points: FloatArray, alpha_m: float) -> tuple[list[FloatArray], list[int]]:

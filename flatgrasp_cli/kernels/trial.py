@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import cython
 import numpy as np
-from cython.cimports.libc.math import hypot
+from cython.cimports.libc.math import sqrt
 from numpy.typing import NDArray
 
 NARROW = cython.declare(cython.double, 1e-9)
@@ -41,6 +41,39 @@ def _lean(leans: cython.double[::1], missing: cython.double) -> cython.double:
     return leans[step] + (higher - step) * (leans[min(step + 1, steps - 1)] - leans[step])
 
 
+@cython.cfunc
+def _tried(
+    met: cython.double[:],
+    grasp: cython.double[::1],
+    leans: cython.double[::1],
+    sample: cython.double[::1],
+    inside: cython.bint,
+    usual: cython.double[::1],
+    left: cython.double[::1],
+) -> cython.void:
+    """Add to what is `left` (6,) how probably one grasp has not failed yet in one sample; arguments as in `chances`."""
+    held: cython.double = max(grasp[0] - max(met[6], met[4]), 0.0)
+    lands: cython.bint = met[0] == 0 or met[1] < sample[0] * grasp[2]
+    beside: cython.double = usual[2] if lands else 1.0
+    down: cython.double = beside * (1 - usual[4] * met[5]) if held >= usual[5] else 0.0
+    around: cython.double = down if met[2] != 0 or inside or lands else 0.0
+    lean: cython.double = 0.0
+    if grasp[3] != 0:
+        lean = _lean(leans, 1 - held / max(grasp[1], usual[5]))
+        lean = max(lean + sample[1] / max(0.5 * held, usual[5]), 0.0)
+    wedge: cython.double = 0.0 if inside else met[3]
+    need: cython.double = sqrt(wedge * wedge + lean * lean)
+    left[0] += beside
+    left[1] += down
+    left[2] += around
+    left[3] += around * _suffices(need, usual[0], usual[1])
+    need = max(need, sample[2])
+    lifted: cython.double = around * _suffices(need, usual[0], usual[1])
+    still: cython.double = around * _suffices(max(need, met[7]), usual[0], usual[1])
+    left[4] += lifted
+    left[5] += still + usual[3] * (lifted - still)
+
+
 def chances(
     met: cython.double[:, :, ::1],
     grasps: cython.double[:, ::1],
@@ -71,28 +104,8 @@ def chances(
     for grasp in range(grasps.shape[0]):
         for sample in range(samples.shape[0]):
             sure: cython.bint = inside[grasp, sample] != 0
-            tip: cython.double = max(met[6, grasp, sample], met[4, grasp, sample])
-            held: cython.double = max(grasps[grasp, 0] - tip, 0.0)
-            lands: cython.bint = met[0, grasp, sample] == 0
-            lands = lands or met[1, grasp, sample] < samples[sample, 0] * grasps[grasp, 2]
-            beside: cython.double = usual[2] if lands else 1.0
-            down: cython.double = beside * (1 - usual[4] * met[5, grasp, sample]) if held >= usual[5] else 0.0
-            around: cython.double = down if met[2, grasp, sample] != 0 or sure or lands else 0.0
-            lean: cython.double = 0.0
-            if grasps[grasp, 3] != 0:
-                lean = _lean(leans[grasp], 1 - held / max(grasps[grasp, 1], usual[5]))
-                lean = max(lean + samples[sample, 1] / max(0.5 * held, usual[5]), 0.0)
-            need: cython.double = hypot(0.0 if sure else met[3, grasp, sample], lean)
-            closed: cython.double = around * _suffices(need, usual[0], usual[1])
-            need = max(need, samples[sample, 2])
-            lifted: cython.double = around * _suffices(need, usual[0], usual[1])
-            still: cython.double = around * _suffices(max(need, met[7, grasp, sample]), usual[0], usual[1])
-            left[grasp, 0] += beside
-            left[grasp, 1] += down
-            left[grasp, 2] += around
-            left[grasp, 3] += closed
-            left[grasp, 4] += lifted
-            left[grasp, 5] += still + usual[3] * (lifted - still)
+            what: cython.double[:] = met[:, grasp, sample]
+            _tried(what, grasps[grasp], leans[grasp], samples[sample], sure, usual, left[grasp])
         for step in range(6):
             left[grasp, step] /= samples.shape[0]
     return found

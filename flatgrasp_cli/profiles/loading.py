@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import difflib
 import reprlib
-import types
-import typing
 from pathlib import Path
 from typing import Any, TypeVar
 
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 
 from flatgrasp_cli.errors import ProfileError
 from flatgrasp_cli.profiles.base import Profile
 from flatgrasp_cli.profiles.derived import derived
+from flatgrasp_cli.profiles.faults import explained, suggestion
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.robot import CameraPose, Robot
 from flatgrasp_cli.profiles.robot_urdf import resolved
@@ -197,7 +195,7 @@ def _validate(model: type[P], data: dict[str, Any], path: Path, overrides: str =
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        problems = _explained(model, error)
+        problems = explained(model, error)
         place = f"{path} with {overrides}" if overrides else str(path)
         more = (
             f"\n(and {len(problems) - 1} more; `flatgrasp profiles check FILE` lists all)" if len(problems) > 1 else ""
@@ -212,56 +210,9 @@ def problems_in(path: Path) -> list[str]:
     try:
         model.model_validate(data)
     except ValidationError as error:
-        return _explained(model, error)
+        return explained(model, error)
     return []
-
-
-def _explained(model: type[BaseModel], error: ValidationError) -> list[str]:
-    """The faults in words, one for each key: the dotted key, its value, and what that would have to be."""
-    found: dict[str, list[str]] = {}
-    for problem in error.errors(include_url=False):
-        # the place of a value that may be one thing or another goes on with the type that it is not: tuple[…]
-        choice = next((k for k, part in enumerate(problem["loc"]) if "[" in str(part)), len(problem["loc"]))
-        key, inside = (".".join(map(str, parts)) for parts in (problem["loc"][:choice], problem["loc"][choice + 1 :]))
-        text = _explain(model, key, problem)
-        if found.get(key) or not _shows_value(problem):
-            found.setdefault(key, []).append(f"{inside}: {text}" if inside else text)
-        else:
-            found[key] = [f"{reprlib.repr(problem['input'])}: {text}"]
-    return [": ".join(filter(None, (key, ", or ".join(texts)))) for key, texts in found.items()]
-
-
-def _shows_value(problem: Any) -> bool:
-    """Whether a fault is that of a key's value, and not that of the key."""
-    return bool(problem["loc"]) and problem["type"] not in ("extra_forbidden", "missing")
-
-
-def _explain(model: type[BaseModel], key: str, problem: Any) -> str:
-    """What is wrong with a key or with its value, in words."""
-    if problem["type"] == "extra_forbidden":
-        *sections, word = key.split(".")
-        allowed = [name for name in _fields_at(model, sections) if name != "profile"]
-        return f"unknown key{suggestion(word, allowed)} (allowed: {', '.join(allowed)})"
-    if problem["type"] == "missing":
-        return "missing"
-    text = str(problem["msg"]).removeprefix("Value error, ")
-    return text.replace("Input should be", "must be").replace("a valid tuple", "a list")
-
-
-def _fields_at(model: type[BaseModel], path: list[str]) -> list[str]:
-    """Keys that the model has at a nested place."""
-    for part in path:
-        annotation = model.model_fields[part].annotation
-        options = typing.get_args(annotation) if isinstance(annotation, types.UnionType) else (annotation,)
-        model = next(option for option in options if isinstance(option, type) and issubclass(option, BaseModel))
-    return list(model.model_fields)
 
 
 def _names(kind: str) -> str:
     return ", ".join(list_profiles(kind))
-
-
-def suggestion(word: str, known: list[str]) -> str:
-    """Words that name the known word nearest to an unknown one; empty when none is near."""
-    near = difflib.get_close_matches(word, known, n=1)
-    return f"; did you mean {near[0]!r}?" if near else ""

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any, NoReturn
 
 from flatgrasp_cli.errors import UsageError
-from flatgrasp_cli.profiles.loading import suggestion
+from flatgrasp_cli.profiles.faults import suggestion
 from flatgrasp_cli.serving.lines import LONGEST_REQUEST
 
 INLINE = "inline"

@@ -13,7 +13,7 @@ from scipy.spatial import Delaunay
 from scipy.spatial.transform import Rotation
 
 from flatgrasp_cli.geometry import polygon
-from flatgrasp_cli.geometry.alpha_shape import alpha_region
+from flatgrasp_cli.geometry.alpha_shape import _repaired, alpha_region
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
 from flatgrasp_cli.geometry.chain import Chain, closed_chain
 from flatgrasp_cli.geometry.frames import Frame, quaternion_from_axes
@@ -204,6 +204,21 @@ def test_alpha_region_of_a_thin_ring_is_a_ring(seed: int) -> None:
     radii = np.where(np.arange(500) % 5 == 0, 10.3, 10.0)
     region = alpha_region(np.column_stack([radii * np.cos(angles), radii * np.sin(angles)]), 2.5)
     assert region.area < 1.1 * np.pi * (10.3**2 - 10**2)
+
+
+def test_a_ring_that_touches_itself_within_rounding_is_mended() -> None:
+    """The edges along both sides of a row of points lie less than a micrometre apart."""
+    row = [
+        (0.08109285651636626, -0.0020811875836538696),
+        (0.06115120117122869, 0.01837029582682415),
+        (0.05866506229212172, 0.020883578769223417),
+        (0.05631574038699716, 0.023316911143694385),
+        (0.054576769100725, 0.02511869861170663),
+        (0.05511871060395794, 0.024527010290020846),
+        (0.05659197806881642, 0.02303765745453055),
+        (0.05903337911545861, 0.020511240603696718),
+    ]
+    assert _repaired(np.array(row)).is_valid
 
 
 @given(st.floats(0, np.pi), seeds)
