@@ -5,7 +5,7 @@
 Every numeric constant of these rooms' modules and every number of configs/planner/default.yaml is multiplied and
 divided by 1.5, one at a time (of a tuple, one member at a time; an array as a whole). With that the room's tests run in
 a process forked for it, until one fails. What passes is printed, and the share that does not. All of them take an hour:
-name rooms, or constants (`LIMB_M`, `gap_m`), to try those alone; `--factor 3` finds what could be grossly wrong.
+name rooms, or constants (`LIMB_M`, `seam_deg`), to try those alone; `--factor 3` finds what could be grossly wrong.
 """
 
 from __future__ import annotations

@@ -12,13 +12,13 @@ from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.kernels.sorting import into_cells
 
-COARSE_CELL_M = 0.01
-"""Side of the cells that the points' density is measured in, metres: wider than points are apart, and narrower than the
-gaps and shadows between which a plane is seen."""
 POINTS_PER_CELL = 4.0
 """Points that a cell should hold: their mean has half of a point's noise, and nine cells' a sixth."""
-LEAST_CELL_M = 0.002
-"""Least side of a cell, metres: as fine as an outline is known. The largest is 20 mm, for coarse cells hold a point."""
+SMOOTH_CELLS = 3
+"""Side of the window over which cells are averaged, in cells: the mean of nine has a third of one cell's noise."""
+MIN_POINTS = 30
+"""Least number of points of an object, and of cells of a piece: of fewer most lie at an edge, where outlines are noise
+and normals poor."""
 LEVEL_WINDOW_M = 0.08
 """Side of the square over which the plane's own level is averaged, metres: wider than a low object, and narrower than
 the waves of a sensor's distortion, of some 20 cm."""
@@ -51,13 +51,17 @@ class SortedPoints:
         return cls(raster, cell, heights, count, total)
 
 
-def fitting_cell_m(x: FloatArray, y: FloatArray, every: float = 1.0) -> float:
-    """Side of cells that hold a few points each, metres; x and y (n,) are those of one point in `every`."""
+def fitting_cell_m(x: FloatArray, y: FloatArray, coarse_m: float, every: float = 1.0) -> float:
+    """Side of cells that hold a few points each, metres; x and y (n,) are those of one point in `every`.
+
+    The points' density is measured in cells of side `coarse_m`: wider than points are apart, and narrower than the gaps
+    and shadows between which a plane is seen.
+    """
     low, high = np.array([x.min(), y.min()]), np.array([x.max(), y.max()])
-    coarse = Raster.over(low, high, COARSE_CELL_M * np.sqrt(every))
+    coarse = Raster.over(low, high, coarse_m * np.sqrt(every))
     count = coarse.count(coarse.cells_within(x, y))
     density = every * float(np.median(count[count > 0])) / coarse.cell_m**2
-    return float(max(LEAST_CELL_M, np.sqrt(POINTS_PER_CELL / density)))
+    return float(np.sqrt(POINTS_PER_CELL / density))
 
 
 def smoothed(values: FloatArray, where: BoolArray | IntArray, cells: int) -> FloatArray:

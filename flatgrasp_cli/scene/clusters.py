@@ -13,47 +13,18 @@ from flatgrasp_cli.geometry.frames import Frame, frame_on_plane
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.geometry.sampling import spread_indices
+from flatgrasp_cli.geometry.scatter import deviation
 from flatgrasp_cli.model import Floor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
-from flatgrasp_cli.scene.cells import LEVEL_WINDOW_M, SortedPoints, fitting_cell_m, smoothed
+from flatgrasp_cli.scene.cells import LEVEL_WINDOW_M, MIN_POINTS, SMOOTH_CELLS, SortedPoints, fitting_cell_m, smoothed
 from flatgrasp_cli.scene.masks import ends_of, hull_of, span_of
 from flatgrasp_cli.scene.strays import lonely
-from flatgrasp_cli.scene.support_plane import FINE_SAMPLE, MAD_TO_SIGMA, SIGMAS
+from flatgrasp_cli.scene.support_plane import FINE_SAMPLE, GOOD_PART, NEAR_M, SIGMAS, flatness_m
 
-POINT_SIGMAS = 2.5
-"""Standard deviations by which a point, or the mean of a cell, must stand out of the plane: 0.6 % of the plane's own
-do."""
-SMOOTH_CELLS = 3
-"""Side of the window over which cells are averaged, in cells: the mean of nine has a third of one cell's noise."""
-HIGH_M = 0.02
-"""Points higher than this, metres, enter a mean with this height, lest a single flying one lift all cells around it."""
-RING_M = 0.04
-"""How far around a cluster the plane is looked for, metres: beyond the shadow of a low object, but not where another
-surface than the one that it stands on may begin."""
-RIM_M = 0.015
-"""An object's middle lies at least this far inside the convex hull of the plane, metres: nearer to
-the edge of a view, half of an object is cut off."""
-EDGE_M, EDGE_RIPPLE_M = 0.03, 0.01
-"""Within the first of the plane's edge, a cluster no higher than the second is no object, metres: a stereo camera
-matches windows of some 20 pixels, 30 mm at a metre. Near the edge they also hold what lies beyond it, and the plane's
-own height is wrong by up to a centimetre."""
-MIN_POINTS = 30
-"""Least number of points in the cells of an object: with fewer, an outline is mostly noise."""
-STRAY_M, STRAY_CELLS = 0.01, 3.0
-"""A point with hardly another around it belongs to nothing. Around it means within one or two times this, metres, or,
-in a sparse cloud, this many cells of the raster."""
-GRID_SAMPLE = 20_000
-"""Points by which the raster is laid out: several in each of the cells that their density is measured in."""
-CALM_WINDOW_M = 0.025
-"""Side of the square over which the free plane's level is averaged, metres: some hundred points, and no wider than a
-finger with its clearance."""
-MARGIN_M = 0.1
-"""Points farther than this outside of the support plane, metres, are not looked at: they are the room behind the table.
-"""
-SECTORS, LEAST_AROUND = 16, 0.3
-"""Directions around an object, and in how many of them the support plane must be seen if the object stands on it: seen
-obliquely before a wall, a third of them are left. As much of the plane must lie outside the objects' convex hulls, or
-it is a part of an object: the floor of a pan, whose rim stands around it."""
+SECTORS = 16
+"""Directions around an object. In a good part of them the support plane is seen if the object stands on it: seen
+obliquely before a wall, a third are left. As good a part of the plane must lie outside the objects' convex hulls, or it
+is a part of an object: the floor of a pan, whose rim stands around it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,54 +49,54 @@ class Clusters:
 
 def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettings) -> Clusters | None:
     """The objects among `points` (n, 3) on `plane`, largest first; None if no cell shows the plane itself."""
-    frame = frame_on_plane(plane.normal, plane.offset_m)
-    raster = _raster(points, frame, plane.noise_m)
-    found = SortedPoints.of(points, frame, raster, (-SIGMAS * plane.noise_m, HIGH_M))
+    frame, flat_m = frame_on_plane(plane.normal, plane.offset_m), flatness_m(plane, settings)
+    raster = _raster(points, frame, flat_m, settings.least_part_m / SMOOTH_CELLS)
+    # heights are cut off, lest a single flying point lift the mean of all cells around it
+    found = SortedPoints.of(points, frame, raster, (-flat_m, settings.least_part_m))
     own = found.total / np.maximum(found.count, 1)
-    table = _broad(
-        (found.count > 0) & (np.abs(own) < SIGMAS * plane.noise_m), settings.least_part_m / found.raster.cell_m
-    )
+    table = _broad((found.count > 0) & (np.abs(own) < flat_m), settings.least_part_m / found.raster.cell_m)
     if not table.any():
         return None
     standing = _standing(found, own, table, plane.noise_m, settings)
-    labels = _labels(_bridged(standing, settings.gap_m / found.raster.cell_m)) * standing
-    chosen = _objects(found, labels, own, table, settings)
+    labels = _labels(_bridged(standing, 0.5 * settings.min_size_m / raster.cell_m)) * standing
+    chosen = _objects(found, labels, table, settings)
 
     # from here on only the points in cells that stand out, which are few
     rows = np.flatnonzero(standing.take(found.cell))
     cell = found.cell[rows]
-    rows = rows[found.heights[rows] > np.minimum(POINT_SIGMAS * plane.noise_m, 0.5 * own.ravel()[cell])]
-    rows = rows[~lonely(points[rows], max(STRAY_M, STRAY_CELLS * found.raster.cell_m))]
+    rows = rows[found.heights[rows] > np.minimum(flat_m, 0.5 * own.ravel()[cell])]
+    rows = rows[~lonely(points[rows], SMOOTH_CELLS * found.raster.cell_m)]
     piece = labels.ravel()[found.cell[rows]]  # without the plane's points at an object's edge
     return Clusters(
         members=tuple(rows[piece == name] for name in chosen),
         clutter=rows[~np.isin(piece, chosen)],
-        floor=_floor(frame, found, rows),
-        lie_on_table=bool(chosen) and _outside_share(labels, chosen, table) >= LEAST_AROUND,
+        floor=_floor(frame, found, rows, settings.least_part_m),
+        lie_on_table=bool(chosen) and _outside_share(labels, chosen, table) >= GOOD_PART,
         extent_m=float(found.raster.cell_m * np.hypot(*span_of(table))),
     )
 
 
-def _raster(points: FloatArray, frame: Frame, noise_m: float) -> Raster:
+def _raster(points: FloatArray, frame: Frame, flat_m: float, coarse_m: float) -> Raster:
     """A raster of the plane and a margin around it, as far as there are points, laid out by an even sample of them."""
-    chosen = spread_indices(len(points), GRID_SAMPLE)
+    chosen = spread_indices(len(points), FINE_SAMPLE)
     x, y, heights = frame.to_local(points[chosen]).T
-    flat = np.abs(heights) < SIGMAS * noise_m
+    flat = np.abs(heights) < flat_m
     sides = [(x, x[flat]), (y, y[flat])]
-    low = np.array([max(every_one.min(), own.min() - MARGIN_M) for every_one, own in sides])
-    high = np.array([min(every_one.max(), own.max() + MARGIN_M) for every_one, own in sides])
-    return Raster.over(low, high, fitting_cell_m(x[flat], y[flat], len(points) / len(chosen)))
+    low = np.array([max(every_one.min(), own.min() - NEAR_M) for every_one, own in sides])
+    high = np.array([min(every_one.max(), own.max() + NEAR_M) for every_one, own in sides])
+    return Raster.over(low, high, fitting_cell_m(x[flat], y[flat], coarse_m, len(points) / len(chosen)))
 
 
-def _floor(frame: Frame, found: SortedPoints, rows: IntArray) -> Floor:
+def _floor(frame: Frame, found: SortedPoints, rows: IntArray, width_m: float) -> Floor:
     """The cells with points of the plane, at the mean height of those around them: a cell's own is mostly noise.
 
-    `rows` are the points that are not the plane's.
+    They are those in a square of `width_m`, no wider than a finger with its clearance. `rows` are the points that are
+    not the plane's.
     """
     cell = found.cell[rows]
     count = found.count - found.raster.count(cell)
     mean = (found.total - found.raster.total(cell, found.heights[rows])) / np.maximum(count, 1)
-    level = smoothed(mean, count, 2 * round(0.5 * CALM_WINDOW_M / found.raster.cell_m) + 1)
+    level = smoothed(mean, count, 2 * round(0.5 * width_m / found.raster.cell_m) + 1)
     levels = HeightMap(found.raster, np.where(count > 0, level, UNSEEN))
     return Floor(frame, levels, found.raster.cell_m / float(np.sqrt(np.median(count[count > 0]))))
 
@@ -137,14 +108,15 @@ def _standing(
     window = 2 * round(0.5 * LEVEL_WINDOW_M / found.raster.cell_m) + 1
     smooth = smoothed(own, found.count, SMOOTH_CELLS) - smoothed(own, table, window)
     ripple = smooth[table]
-    scatter = MAD_TO_SIGMA * float(np.median(np.abs(ripple[spread_indices(len(ripple), FINE_SAMPLE)])))
-    threshold = max(settings.min_height_m, settings.noise_factor * scatter)
-    sure = POINT_SIGMAS * noise_m / np.sqrt(np.maximum(found.count, 1))
+    scatter = deviation(ripple[spread_indices(len(ripple), FINE_SAMPLE)])
+    highest = scatter * np.sqrt(2 * np.log(len(ripple)))  # that noise alone makes of so many (Donoho & Johnstone 1994)
+    threshold = max(settings.min_height_m, highest)
+    sure = SIGMAS * noise_m / np.sqrt(np.maximum(found.count, 1))
     return np.asarray((found.count > 0) & (smooth > threshold) & (own > np.maximum(threshold, sure)))
 
 
 def _bridged(mask: BoolArray, gap_cells: float) -> ByteArray:
-    """The mask grown on all sides by half of the gap that is to be bridged."""
+    """The mask grown on all sides by half of the gap that is to be bridged, into which not half of a finger fits."""
     cross = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
     return np.asarray(cv2.dilate(mask.view(np.uint8), cross, iterations=round(0.5 * gap_cells)))
 
@@ -167,9 +139,7 @@ def _broad(mask: BoolArray, cells: float) -> BoolArray:
     return np.asarray(broad[labels] & mask)
 
 
-def _objects(
-    found: SortedPoints, labels: IntArray, heights: FloatArray, table: BoolArray, settings: SceneSettings
-) -> list[int]:
+def _objects(found: SortedPoints, labels: IntArray, table: BoolArray, settings: SceneSettings) -> list[int]:
     """Names of the clusters that are objects, largest first: large enough, and amid the plane."""
     import shapely
 
@@ -179,19 +149,14 @@ def _objects(
     cells = np.bincount(name_of)
     points = np.bincount(name_of, weights=found.count.ravel()[cell])
     large = (cells * found.raster.cell_m**2 >= settings.min_size_m**2) & (points >= MIN_POINTS)
-    hull = hull_of(table)
-    amid, beyond_ripple = (hull.buffer(-margin / found.raster.cell_m) for margin in (RIM_M, EDGE_M))
+    least_part = settings.least_part_m / found.raster.cell_m
+    amid = hull_of(table).buffer(-0.5 * least_part)  # nearer to the edge of a view, half of such a part is cut off
     chosen = []
     for name in np.flatnonzero(large).tolist():
         own = np.stack([row[name_of == name], column[name_of == name]])
         low, high = own.min(axis=1), own.max(axis=1) + 1
         middle = own.mean(axis=1)
-        if heights[*own].max() < EDGE_RIPPLE_M and not shapely.contains_xy(beyond_ripple, *own).any():
-            continue
-        if (
-            shapely.contains_xy(amid, *middle)
-            and _sectors(low, high, middle, table, RING_M / found.raster.cell_m) >= LEAST_AROUND * SECTORS
-        ):
+        if shapely.contains_xy(amid, *middle) and _sectors(low, high, middle, table, least_part) >= GOOD_PART * SECTORS:
             chosen.append(name)
     return sorted(chosen, key=lambda name: -int(cells[name]))
 

@@ -12,29 +12,23 @@ from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.height_map import UNSEEN
 from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.model import Floor
+from flatgrasp_cli.profiles.settings import SceneSettings
+from flatgrasp_cli.scene.support_plane import GOOD_PART
 
-LEVELS_M = (0.012, 0.025, 0.05, 0.1)
-"""Heights over the floor to which water is poured in: the lowest rims that keep a hand out of things, and higher ones
-where things hide the floor."""
 GAP_M = 0.04
 """Gaps that a sensor leaves in steep walls: these are as wide, at most, in real frames of bins."""
 LEAST_WIDE_M, LEAST_STATED_M = 0.25, 0.1
 """Least width of a pool in a container: plates and pans have up to 0.22 m; less where somebody says that it is one."""
-LEAST_WET = 0.3
-"""Least share of the rectangle around a container's pools that is under water: pockets of a heap are far apart."""
-
-
 WALL_FOOT_M = 0.02
 """A finger finds no place between the wall and something so near to it."""
-WALL_STEP_M = 0.01
-"""A wall goes down from what was seen of it in points so far apart: no finger passes between them."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Container:
     """A bin in cells (rows, columns) of the `raster` of a support plane's `frame`: its `ground`, and what lies in it.
 
-    `inside` is what lies away from its walls; these are `walls`, and their rims are `rim_m` high.
+    `inside` is what lies away from its walls; these are `walls`, and their rims are `rim_m` high. They go down from
+    what was seen of them in points `step_m` apart: no finger passes between them.
     """
 
     frame: Frame
@@ -43,6 +37,7 @@ class Container:
     inside: BoolArray
     walls: BoolArray
     rim_m: float
+    step_m: float
 
     def covers(self, points: FloatArray) -> BoolArray:
         """Which of `points` (n, 3) belong to the bin or lie in it."""
@@ -67,49 +62,56 @@ class Container:
         x, y, height = self.frame.to_local(points).T
         top = np.full(self.raster.size, -np.inf)
         np.maximum.at(top, self.raster.cells(x, y), height)
-        row, column = true_entries(top.reshape(self.raster.shape) > WALL_STEP_M)
+        row, column = true_entries(top.reshape(self.raster.shape) > self.step_m)
         places = self.raster.middles(row, column)
         tops = top.reshape(self.raster.shape)[row, column]
-        levels = np.arange(0.0, float(tops.max(initial=0.0)), WALL_STEP_M)
+        levels = np.arange(0.0, float(tops.max(initial=0.0)), self.step_m)
         place, level = true_entries(levels < tops[:, None])
         return self.frame.to_world(np.column_stack([places[place], levels[level]]))
 
 
-def find_container(points: FloatArray, floor: Floor, *, stated: bool) -> Container | None:
+def find_container(points: FloatArray, floor: Floor, settings: SceneSettings) -> Container | None:
     """The container whose walls rise around what lies deeper; None if there is none.
 
-    `points` (n, 3) stand on the `floor`; `stated` says that somebody knows of a bin. Water runs out over the picture's
-    edge, and in cells that were not seen it stands as in the nearest one that was.
+    `points` (n, 3) stand on the `floor`; in mode `bin` somebody knows that there is one. Water is poured in, as high as
+    the least object and then twice as high each time: low rims keep a hand out of things, and things hide the floor
+    between higher ones. It runs out over the picture's edge, and in cells that were not seen it stands as in the
+    nearest one that was. Of the rectangle around a container's pools it covers a good part: pockets of a heap are far
+    apart.
     """
-    least_m = LEAST_STATED_M if stated else LEAST_WIDE_M
+    least_m = LEAST_STATED_M if settings.mode == "bin" else LEAST_WIDE_M
     x, y, height = floor.frame.to_local(points).T
     if len(points) == 0 or min(np.ptp(x), np.ptp(y)) < least_m:
         return None
     raster = floor.levels.raster
     means = raster.rimmed(raster.mean(raster.cells(x, y), height, UNSEEN), UNSEEN)
     filled = _filled(np.where(means > UNSEEN, means, floor.levels.heights))
-    for level in LEVELS_M:
+    level, highest = settings.min_size_m, float(filled.max())
+    while level < highest:
         outside, pools = _poured(~_closed(filled >= level, GAP_M / raster.cell_m))
         # a container is the ground that no water from outside reaches, walls and things and pools alike
         grounds = _connected(~outside, 8)
         for ground in np.flatnonzero(np.bincount(grounds[pools])).tolist():
             pool = pools & (grounds == ground)
             inside = _rectangle(pool, least_m / raster.cell_m)
-            if inside is not None and np.count_nonzero(pool) >= LEAST_WET * np.count_nonzero(inside):
-                return _container(floor, filled, level, grounds == ground, inside)
+            if inside is not None and np.count_nonzero(pool) >= GOOD_PART * np.count_nonzero(inside):
+                rim_m = float(np.median(filled[(grounds == ground) & ~inside & (filled >= level)]))
+                return _container(floor, grounds == ground, inside, rim_m, settings.min_size_m)
+        level *= 2
     return None
 
 
-def _container(floor: Floor, filled: FloatArray, level: float, ground: BoolArray, inside: BoolArray) -> Container:
-    """The container on a `ground` that holds water up to a `level` in the rectangle `inside`, all (rows, columns)."""
-    raster, walls = floor.levels.raster, ground & ~inside
+def _container(floor: Floor, ground: BoolArray, inside: BoolArray, rim_m: float, step_m: float) -> Container:
+    """The container on a `ground`, with the rectangle `inside` its walls, (rows, columns) each."""
+    raster = floor.levels.raster
     return Container(
         frame=floor.frame,
         raster=raster,
         ground=ground,
         inside=_shrunk(inside, WALL_FOOT_M / raster.cell_m),
-        walls=walls,
-        rim_m=float(np.median(filled[walls & (filled >= level)])),
+        walls=ground & ~inside,
+        rim_m=rim_m,
+        step_m=step_m,
     )
 
 

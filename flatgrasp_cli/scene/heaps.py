@@ -12,10 +12,11 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from flatgrasp_cli.model import SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
-from flatgrasp_cli.scene.clusters import MIN_POINTS, Clusters
+from flatgrasp_cli.scene.cells import MIN_POINTS
+from flatgrasp_cli.scene.clusters import Clusters
 from flatgrasp_cli.scene.container import Container, find_container
 from flatgrasp_cli.scene.parting import Limits, Surface, pieces
-from flatgrasp_cli.scene.support_plane import SIGMAS
+from flatgrasp_cli.scene.support_plane import flatness_m
 
 LONGEST_WHOLE_M = 0.35
 """Pieces that touch and are together no longer than this, metres, may be one object, as a drill's body and handle are:
@@ -47,7 +48,7 @@ class Heap:
     def container(self) -> Container | None:
         """The bin around what stands on the plane, if there is one; one with nothing in it is an object."""
         stated = self.settings.mode == "bin"
-        found = find_container(self.points[self._standing], self.clusters.floor, stated=stated)
+        found = find_container(self.points[self._standing], self.clusters.floor, self.settings)
         return found if stated or (found is not None and self._in_container(found).members) else None
 
     def apart(self, container: Container | None) -> Clusters:
@@ -72,7 +73,7 @@ class Heap:
         objects = self._objects_of(free)
         stands, rest = np.zeros((2, len(self.points)), dtype=np.bool_)
         stands[self._standing] = True
-        rest[:] = self.plane.heights(self.points) > -self._flat_m
+        rest[:] = self.plane.heights(self.points) > -flatness_m(self.plane, self.settings)
         if container is not None:
             rest &= container.covers(self.points)
         for rows in free:
@@ -136,14 +137,9 @@ class Heap:
         """The points above the plane."""
         return np.concatenate([*self.clusters.members, self.clusters.clutter])
 
-    @property
-    def _flat_m(self) -> float:
-        """The highest that the support plane's own points lie over it."""
-        return max(SIGMAS * self.plane.noise_m, self.settings.min_height_m)
-
     def _lies_in(self, piece: IntArray, container: Container | None) -> bool:
         """Whether a piece is neither floor, from which walls rise, nor wall, which is outside but for its foot."""
-        if _most(self.plane.heights(self.points[piece]) < self._flat_m):
+        if _most(self.plane.heights(self.points[piece]) < flatness_m(self.plane, self.settings)):
             return False
         return container is None or _most(container.holds(self.points[piece]))
 

@@ -8,14 +8,12 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.model import Cloud, ObjectCloud, Sensor, SupportPlane
+from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.clusters import Clusters
 from flatgrasp_cli.scene.heaps import LONGEST_WHOLE_M
 from flatgrasp_cli.scene.picture import at_table_edge, cut_off
 from flatgrasp_cli.scene.stacking import supported_by
-from flatgrasp_cli.scene.support_plane import REACH_M, looks_down
-
-NEAR_M = 0.2
-"""Other points farther than this from an object's bounding box cannot meet the hand."""
+from flatgrasp_cli.scene.support_plane import NEAR_M, REACH_M, looks_down
 
 
 def overlook(points: FloatArray, sensor: Sensor, plane: SupportPlane) -> FloatArray:
@@ -26,7 +24,7 @@ def overlook(points: FloatArray, sensor: Sensor, plane: SupportPlane) -> FloatAr
 
 
 def objects_of(
-    cloud: Cloud, sensor: Sensor, plane: SupportPlane, clusters: Clusters
+    cloud: Cloud, sensor: Sensor, plane: SupportPlane, clusters: Clusters, settings: SceneSettings
 ) -> tuple[tuple[ObjectCloud, ...], tuple[ObjectCloud, ...]]:
     """The clusters as objects, and the groups of those that touch and may be one; each with what stands near it."""
     rows = (*clusters.members, clusters.clutter, clusters.container)
@@ -35,8 +33,8 @@ def objects_of(
     places = [np.arange(end - len(own), end) for own, end in zip(clusters.members, ends, strict=True)]
     groups = clusters.groups or (None,) * len(places)
     around = _Around(standing, sensor, plane, clusters)
-    carried = supported_by(cloud.points, clusters.members, clusters.floor)
-    at_edge = at_table_edge(cloud.points, clusters.members, clusters.floor)
+    carried = supported_by(cloud.points, clusters.members, clusters.floor, 0.5 * settings.min_size_m)
+    at_edge = at_table_edge(cloud.points, clusters.members, clusters.floor, settings.least_part_m)
     cut = cut_off(cloud, overlook(cloud.points, sensor, plane), clusters.members, clusters.floor.spacing_m)
     objects = tuple(
         replace(

@@ -9,20 +9,13 @@ from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.height_map import UNSEEN
 from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Cloud, Floor
+from flatgrasp_cli.scene.cells import SMOOTH_CELLS
+from flatgrasp_cli.scene.clusters import SECTORS
+from flatgrasp_cli.scene.faint import WINDOW_PX
 from flatgrasp_cli.scene.masks import hull_of
+from flatgrasp_cli.scene.parting.joints import MOST
 from flatgrasp_cli.scene.parting.view_grid import image_of
 from flatgrasp_cli.scene.support_plane import FINE_SAMPLE
-
-EDGE_M = 0.05
-"""Nearer to the table's edge, metres, a hand stands half beyond it, and things are what the table ends with."""
-EDGE_PX = 4.0
-"""So near to the picture's edge, in pixels, what goes on ends: sensors drop the outermost one or two."""
-STRETCHES = 16
-"""The picture ends along a straight line. Of so many stretches of a side most hold points, or what lies there is the
-end of a table, or of a thing that stands out."""
-MARGIN_SHARE = 0.07
-"""Of an image's width and height sensors leave this much empty at a side: stereo cameras up to 0.06."""
-LEAST_POINTS = 8
 
 
 def cut_off(cloud: Cloud, viewpoint: FloatArray, members: tuple[IntArray, ...], spacing_m: float) -> tuple[bool, ...]:
@@ -39,7 +32,7 @@ def cut_off(cloud: Cloud, viewpoint: FloatArray, members: tuple[IntArray, ...], 
         pixel = np.flatnonzero(cloud.pixels.filled)
         picture, own = (np.column_stack(np.divmod(pixel[chosen], width))[:, ::-1] for chosen in (sample, rows))
         size = np.array(cloud.pixels.shape[::-1], dtype=np.float64)
-        limits = MARGIN_SHARE * size, (1 - MARGIN_SHARE) * size
+        limits = (1 - MOST) * size, MOST * size  # stereo cameras leave up to 0.06 of it empty at a side
     else:
         x, y, depth = image_of(cloud.points[np.concatenate([sample, rows])], viewpoint)
         both = np.column_stack([x, y]) * (float(np.median(depth)) / spacing_m)
@@ -49,15 +42,18 @@ def cut_off(cloud: Cloud, viewpoint: FloatArray, members: tuple[IntArray, ...], 
         limits = np.full(2, np.inf), np.full(2, -np.inf)
     at_edge = _at_edge(picture.astype(np.float64), own.astype(np.float64), limits)
     ends = np.cumsum([len(member) for member in members])[:-1]
-    return tuple(int(np.count_nonzero(part)) >= LEAST_POINTS for part in np.split(at_edge, ends))[: len(members)]
+    return tuple(int(np.count_nonzero(part)) >= SMOOTH_CELLS**2 for part in np.split(at_edge, ends))[: len(members)]
 
 
-def at_table_edge(points: FloatArray, members: tuple[IntArray, ...], floor: Floor) -> tuple[bool, ...]:
-    """Which of the `members`, indices of `points` (n, 3), lie at the edge of what was seen of the `floor`."""
+def at_table_edge(points: FloatArray, members: tuple[IntArray, ...], floor: Floor, edge_m: float) -> tuple[bool, ...]:
+    """Which of the `members`, indices of `points` (n, 3), lie within `edge_m` of the edge of the seen floor.
+
+    A hand stands half beyond it there, and things are what the table ends with.
+    """
     import shapely
 
     raster = floor.levels.raster
-    inner = hull_of(floor.levels.heights > UNSEEN).buffer(-EDGE_M / raster.cell_m)
+    inner = hull_of(floor.levels.heights > UNSEEN).buffer(-edge_m / raster.cell_m)
     middles = np.array([points[rows].mean(axis=0) for rows in members]).reshape(-1, 3)
     x, y, _ = floor.frame.to_local(middles).T
     row, column = np.divmod(raster.cells(x, y), raster.shape[1])
@@ -67,18 +63,20 @@ def at_table_edge(points: FloatArray, members: tuple[IntArray, ...], floor: Floo
 def _at_edge(picture: FloatArray, own: FloatArray, limits: tuple[FloatArray, FloatArray]) -> BoolArray:
     """Which of the places `own` (k, 2), in pixels, lie at the sides of the picture that places (n, 2) fill.
 
-    A side that is not lower, or higher, than the `limits` (2,), (2,) is none of the picture's.
+    A side that is not lower, or higher, than the `limits` (2,), (2,) is none of the picture's. The picture ends along a
+    straight line: most stretches of it hold points, or it is the end of a table, or of a thing that stands out.
     """
     low, high = picture.min(axis=0), picture.max(axis=0)
     found = np.zeros(len(own), dtype=np.bool_)
     for axis in (0, 1):
-        along = np.floor((picture[:, 1 - axis] - low[1 - axis]) / (high - low + 1)[1 - axis] * STRETCHES)
+        along = np.floor((picture[:, 1 - axis] - low[1 - axis]) / (high - low + 1)[1 - axis] * SECTORS)
         for end, is_side in ((low[axis], low[axis] <= limits[0][axis]), (high[axis], high[axis] >= limits[1][axis])):
-            held = np.bincount(along[_near(picture[:, axis], end)].astype(np.intp), minlength=STRETCHES)
-            if is_side and 2 * np.count_nonzero(held) >= STRETCHES:
+            held = np.bincount(along[_near(picture[:, axis], end)].astype(np.intp), minlength=SECTORS)
+            if is_side and 2 * np.count_nonzero(held) >= SECTORS:
                 found |= _near(own[:, axis], end)
     return found
 
 
 def _near(values: FloatArray, end: float) -> BoolArray:
-    return np.asarray(np.abs(values - end) <= EDGE_PX)
+    """Which values, in pixels, lie so near to the picture's end that a sensor may have dropped what lies beyond."""
+    return np.asarray(np.abs(values - end) <= WINDOW_PX)

@@ -8,26 +8,22 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Cloud, ObjectCloud, Scene, Sensor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
+from flatgrasp_cli.scene.cells import SMOOTH_CELLS
 from flatgrasp_cli.scene.clusters import find_clusters
 from flatgrasp_cli.scene.faint import without_faint
 from flatgrasp_cli.scene.heaps import Heap
 from flatgrasp_cli.scene.objects import objects_of, overlook
 from flatgrasp_cli.scene.selection import cropped, selected
 from flatgrasp_cli.scene.strays import TAIL_SHARE
-from flatgrasp_cli.scene.support_plane import MOST_BELOW_M, SAMPLE, SIGMAS, find_support_plane
+from flatgrasp_cli.scene.support_plane import NEAR_M, SAMPLE, find_support_plane, flatness_m
 
 LARGEST_EXTENT_M = 20.0
 """No view of objects for a gripper is wider than this, metres; a lidar's is, and so is a cloud in millimetres."""
-UPRIGHT_SHARE = 0.2
-"""Weight of the way to the sensor beside the way up. The sensor decides if the main plane stands within 11°, the arc
-tangent of this, of upright, where it has no upper side."""
 NO_PLANE = "no support plane was found"
-NOTHING_STANDS = "nothing stands on the support plane"
-LEAST_BELOW_M = 0.010
-"""A table's own ripple, metres: what lies close below a plane is lower."""
 BELOW_SHARE = 0.03
 """Share of points close below a plane, of those on it, from which on the plane is a part of a body. Real tables have
 less than 1 %, at their edges."""
+NOTHING_STANDS = "nothing stands on the support plane"
 
 
 def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
@@ -42,22 +38,26 @@ def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
     if reason is not None:
         return Scene(None, (), cloud.points, reason)
     if settings.mode == "object" or len(cloud.points) < 3:
-        return _alone(cloud.points, sensor, settings.up)
+        return _alone(cloud.points, sensor, settings)
     plane = find_support_plane(cloud.points, sensor, settings, seed)
     clusters = find_clusters(cloud.points, plane, settings) if plane is not None else None
     if plane is None or clusters is None:
         if settings.mode == "auto":
-            return _alone(cloud.points, sensor, settings.up)
+            return _alone(cloud.points, sensor, settings)
         return Scene(None, (), cloud.points, NO_PLANE)
     viewpoint = overlook(cloud.points, sensor, plane)
-    clusters = without_faint(cloud.points, clusters, plane, viewpoint)
+    clusters = without_faint(cloud.points, clusters, plane, viewpoint, settings)
     heap = Heap(cloud.points, clusters, plane, viewpoint, settings=settings, colors=cloud.colors)
     container = heap.container()
     small = clusters.extent_m <= settings.max_size_m and container is None
-    if settings.mode == "auto" and small and (not clusters.lie_on_table or _goes_on_below(cloud.points, plane)):
-        return _alone(cloud.points, sensor, settings.up)
+    if (
+        settings.mode == "auto"
+        and small
+        and (not clusters.lie_on_table or _goes_on_below(cloud.points, plane, settings))
+    ):
+        return _alone(cloud.points, sensor, settings)
     clusters = heap.apart(container)
-    objects, wholes = objects_of(cloud, sensor, plane, clusters)
+    objects, wholes = objects_of(cloud, sensor, plane, clusters, settings)
     return Scene(
         support=plane,
         objects=selected(objects, settings.select, sensor),
@@ -81,18 +81,20 @@ def _too_large(points: FloatArray) -> str | None:
     return f"the cloud is {x:.0f} × {y:.0f} × {z:.0f} m, no view of objects for a gripper"
 
 
-def _goes_on_below(points: FloatArray, plane: SupportPlane) -> bool:
-    """Whether much lies close below a plane, as a body's flanks do below a plane through its front."""
-    heights = plane.heights(points[spread_indices(len(points), SAMPLE)])
-    on = np.abs(heights) < SIGMAS * plane.noise_m
-    below = (heights < -max(SIGMAS * plane.noise_m, LEAST_BELOW_M)) & (heights > -MOST_BELOW_M)
+def _goes_on_below(points: FloatArray, plane: SupportPlane, settings: SceneSettings) -> bool:
+    """Whether much lies close below a plane, as a body's flanks do below its front."""
+    heights, flat_m = plane.heights(points[spread_indices(len(points), SAMPLE)]), flatness_m(plane, settings)
+    on = np.abs(heights) < flat_m
+    below = (heights < -max(flat_m, settings.least_part_m / SMOOTH_CELLS)) & (heights > -NEAR_M)
     return bool(below.sum() > BELOW_SHARE * on.sum())
 
 
-def _alone(points: FloatArray, sensor: Sensor, up: tuple[float, float, float] | None) -> Scene:
-    """All points as one object; the hand comes from above if `up` (3,) is known, else from the sensor."""
+def _alone(points: FloatArray, sensor: Sensor, settings: SceneSettings) -> Scene:
+    """All points as one object; the hand comes from above if the way up is known, else from the sensor."""
     toward = sensor.toward(points.mean(axis=0)) if len(points) else np.zeros(3)
-    if up is not None:
-        length = max(float(np.linalg.norm(toward)), 1e-12)
-        toward = np.asarray(up) / np.linalg.norm(up) + UPRIGHT_SHARE * toward / length
+    if settings.up is not None:
+        up, length = np.asarray(settings.up), max(float(np.linalg.norm(toward)), 1e-12)
+        # the sensor decides where the main plane has no upper side: so upright that little of one would be seen
+        share = 1 / np.tan(np.radians(settings.max_view_deg))
+        toward = up / np.linalg.norm(up) + share * toward / length
     return Scene(None, (ObjectCloud(0, points, toward, sensor.position),), np.empty((0, 3)))

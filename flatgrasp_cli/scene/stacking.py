@@ -8,19 +8,16 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.kernels.sorting import from_above
 from flatgrasp_cli.model import Floor
-
-LOWER_M = 0.005
-"""What a thing lies on is lower there than most of what was seen of the thing, metres."""
-ON_SHARE = 0.4
-"""Least share of what is around a thing that shows the one below it: beside a thing it is a third at most, and half of
-what is around a thing may lie in its shadow."""
-NONE = -1
+from flatgrasp_cli.scene.support_plane import GOOD_PART
 
 
-def supported_by(points: FloatArray, members: tuple[IntArray, ...], floor: Floor) -> tuple[tuple[int, ...], ...]:
+def supported_by(
+    points: FloatArray, members: tuple[IntArray, ...], floor: Floor, lower_m: float
+) -> tuple[tuple[int, ...], ...]:
     """For each of the `members`, indices of `points` (n, 3), the numbers of those that lie on it.
 
-    Seen from above, a thing is surrounded by the one that it lies on, and that is lower there.
+    Seen from above, a thing is surrounded by the one that it lies on, and that is lower there, by at least `lower_m`,
+    than most of what was seen of the thing.
     """
     if len(members) < 2:
         return ((),) * len(members)
@@ -28,24 +25,24 @@ def supported_by(points: FloatArray, members: tuple[IntArray, ...], floor: Floor
     below: list[tuple[int, ...]] = [() for _ in members]
     for name in range(len(members)):
         mine = owner == name
-        if mine.any() and (under := _under(mine, owner, height)) is not None:
+        if mine.any() and (under := _under(mine, owner, height, lower_m)) is not None:
             below[under] = (*below[under], name)
     return tuple(below)
 
 
 def _from_above(points: FloatArray, members: tuple[IntArray, ...], floor: Floor) -> tuple[IntArray, FloatArray]:
-    """Which member each cell (rows, columns) of the floor shows from above, `NONE` where none, and how high."""
+    """Which member each cell (rows, columns) of the floor shows from above, their number where none, and how high."""
     raster = floor.levels.raster
     rows = np.concatenate(members)
     names = np.repeat(np.arange(len(members)), [len(own) for own in members])
     x, y, z = floor.frame.to_local(points[rows]).T
     cell = raster.cells(x, y)
-    owner, height = np.full(raster.size, NONE), np.full(raster.size, -np.inf)
+    owner, height = np.full(raster.size, len(members)), np.full(raster.size, -np.inf)
     from_above(cell, np.ascontiguousarray(z), names, owner, height)
     return owner.reshape(raster.shape), height.reshape(raster.shape)
 
 
-def _under(mine: BoolArray, owner: IntArray, height: FloatArray) -> int | None:
+def _under(mine: BoolArray, owner: IntArray, height: FloatArray, lower_m: float) -> int | None:
     """The member that the one whose cells are `mine` lies on."""
     reach = 2  # the cells beside a thing may hold points of both
     rows, columns = np.flatnonzero(mine.any(axis=1)), np.flatnonzero(mine.any(axis=0))
@@ -53,9 +50,9 @@ def _under(mine: BoolArray, owner: IntArray, height: FloatArray) -> int | None:
     mine, owner, height = mine[box], owner[box], height[box]
     size = 2 * reach + 1
     ring = (cv2.dilate(mine.view(np.uint8), np.ones((size, size), np.uint8)) > 0) & ~mine
-    lower = ring & (owner != NONE) & (height < np.median(height[mine]) - LOWER_M)
+    lower = ring & np.isfinite(height) & (height < np.median(height[mine]) - lower_m)
     if not lower.any():
         return None
     counts = np.bincount(owner[lower])
     under = int(counts.argmax())
-    return under if counts[under] >= ON_SHARE * np.count_nonzero(ring) else None
+    return under if counts[under] >= GOOD_PART * np.count_nonzero(ring) else None

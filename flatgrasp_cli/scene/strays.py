@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
+from flatgrasp_cli.geometry.raster import MAX_CELLS
 from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.kernels import points as kernels
 from flatgrasp_cli.model import Cloud
@@ -12,14 +13,9 @@ from flatgrasp_cli.scene.support_plane import FINE_SAMPLE, REACH_M
 
 TAIL_SHARE = 0.01
 """Share of a cloud's points, at either end of each axis, that may lie outside of the bulk."""
-ALONE = 3
-"""So many points within a block of 3 × 3 × 3 cells, or more, are no strays: flying pixels come one by one or in pairs.
-"""
-REPEATED, MOST_REPEATED = 4, 8
-"""A place that a sample holds so often is a repeated one: in millimetre steps two points may coincide, hardly four. And
-the number of such places that are looked for: one for each transform or file that padded the cloud."""
-MAX_CELLS = 4_000_000
-"""Largest number of cells: 32 MB of numbers. Cells become larger instead."""
+MANY = 3
+"""So many points in a block of 3 × 3 × 3 cells are no strays: flying pixels come one by one or in pairs. And a place
+that a sample holds more often is a repeated one: in millimetre steps two points may coincide, hardly four."""
 
 
 def without_far_strays(cloud: Cloud) -> Cloud:
@@ -46,14 +42,11 @@ def without_repeats(cloud: Cloud) -> Cloud:
     """
     sample = cloud.points[spread_indices(len(cloud.points), FINE_SAMPLE)]
     along = np.sort(sample[:, 0])
-    repeated = along[REPEATED - 1 :][along[REPEATED - 1 :] == along[: len(along) - REPEATED + 1]]
+    repeated = along[MANY:][along[MANY:] == along[:-MANY]]
     if len(repeated) == 0:
         return cloud
     places, counts = np.unique(sample[np.isin(sample[:, 0], repeated)], axis=0, return_counts=True)
-    often = np.argsort(-counts, kind="stable")[:MOST_REPEATED]
-    again = [
-        np.flatnonzero((cloud.points == place).all(axis=1))[1:] for place in places[often[counts[often] >= REPEATED]]
-    ]
+    again = [np.flatnonzero((cloud.points == place).all(axis=1))[1:] for place in places[counts > MANY]]
     return cloud.without(np.concatenate(again)) if again else cloud
 
 
@@ -67,9 +60,9 @@ def lonely(points: FloatArray, cell_m: float) -> BoolArray:
     place = ((points - low) / cell_m).astype(np.intp) + 1
     cell = (place[:, 0] * shape[1] + place[:, 1]) * shape[2] + place[:, 2]
     count = np.bincount(cell, minlength=int(np.prod(shape)))
-    alone = count[cell] < ALONE
+    alone = count[cell] < MANY
     few = np.flatnonzero(alone)
     around = np.array([-1, 0, 1])
     steps = ((around[:, None, None] * shape[1] + around[:, None]) * shape[2] + around).ravel()
-    alone[few] = count[cell[few, None] + steps].sum(axis=1) < ALONE
+    alone[few] = count[cell[few, None] + steps].sum(axis=1) < MANY
     return np.asarray(alone, dtype=np.bool_)

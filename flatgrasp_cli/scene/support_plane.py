@@ -10,6 +10,7 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.planes import consensus_plane, least_squares_plane
 from flatgrasp_cli.geometry.sampling import spread_indices
+from flatgrasp_cli.geometry.scatter import deviation
 from flatgrasp_cli.model import Sensor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 
@@ -19,33 +20,23 @@ hypotheses are scored in a few milliseconds."""
 FINE_SAMPLE = 10_000
 """Points by which a plane is fitted: of one of 60 cm with noise of 3 mm, its normal is then known to 0.01°. By as many
 its scatter is known to 1 %, and where a picture ends: some 50 lie along each side."""
-TOLERANCE_SHARE, TOLERANCE_RANGE_M = 0.008, (0.004, 0.03)
+TOLERANCE_SHARE = 0.008
 """How far from a hypothesis points agree with it, as a share of their distance from the sensor: three times the noise
-of a structured-light sensor at 2 m (Khoshelham & Elberink 2012). And the least and the most of it, metres."""
+of a structured-light sensor at 2 m (Khoshelham & Elberink 2012)."""
 REACH_M = 1.0
 """Arms reach no farther, metres: a sensor whose place is not known is so far away, and strays are farther off."""
-MIN_SENSOR_HEIGHT_M = 0.1
-"""A viewpoint closer to the plane than this, metres, is no sensor's: clouds in a table's own frame have it at the
-origin."""
-PARALLEL_COS = np.cos(np.radians(10))
-"""Cosine of the angle within which planes lie on top of each other: a table and its floor are parallel, but hypotheses
-are some degrees off."""
-SECOND_SHARE = 0.3
-"""Of planes on top of each other (table, floor) the nearer counts if it has this share of the larger one's points: a
-table that is the subject of a view fills a good part of it, a box on it does not."""
-CLEAR_BELOW, MOST_BELOW_M, MOST_CUT = 2.0, 0.1, 0.15
-"""What lies lower by so many tolerances, and no more than by this, is close below a plane; and how many such points,
-over its own, a plane may have. Beside tables there are edges, and below them a floor that is farther away; a plane
-through the tops of things in a bin has half of the bin below it."""
-REFINEMENTS = 2
-"""Number of fits: one with the first tolerance, and one with that which follows from the plane's own scatter."""
+NEAREST_M = 0.1
+"""Nearer than this, metres, no sensor sees anything: a viewpoint that is closer to the plane is none's. Clouds in a
+table's own frame have it at the origin."""
+GOOD_PART = 0.3
+"""A good part of a whole. Of planes on top of each other (table, floor) the nearer counts if it has such a part of the
+larger one's points: a table that is the subject of a view fills it, a box on it does not."""
+NEAR_M = 0.2
+"""Points farther than this from something, metres, have nothing to do with it: they cannot meet a hand at an object,
+and what lies so far below or beside a table is the floor, or the room behind it."""
 SIGMAS = 3.0
-"""Standard deviations of noise within which points belong to a plane, and depths to one surface: 99.7 % do."""
-LEAST_NOISE_M = 1e-4
-"""Least noise of a plane, metres: a simulator's planes are flat to the last digit, and thresholds are multiples of it.
-"""
-MAD_TO_SIGMA = 1.4826
-"""Ratio of the standard deviation of normally distributed values to their median absolute deviation."""
+"""Standard deviations of noise within which points belong to a plane, depths to one surface, and bends to a flat one:
+99.7 % do."""
 
 
 class _Fit(NamedTuple):
@@ -69,25 +60,37 @@ def find_support_plane(points: FloatArray, sensor: Sensor, settings: SceneSettin
         fits = planes  # too large for an object alone: a low camera looks along the floor
     if not fits:
         return None
-    fits = [fit for fit in fits if not _cuts(fit, sample, sensor)] or fits
+    fits = [fit for fit in fits if not _cuts(fit, sample, sensor, settings)] or fits
     biggest = max(fits, key=lambda fit: fit.share)
-    stacked = [fit for fit in fits if fit.normal @ biggest.normal > PARALLEL_COS]
-    stacked = [fit for fit in stacked if fit.share > SECOND_SHARE * biggest.share]
-    return _refined(points, sensor, max(stacked, key=lambda fit: fit.offset))
+    stacked = [fit for fit in fits if fit.normal @ biggest.normal > np.cos(np.radians(settings.max_tilt_deg))]
+    stacked = [fit for fit in stacked if fit.share > GOOD_PART * biggest.share]
+    nearest = max(stacked, key=lambda fit: fit.offset)
+    points = points[spread_indices(len(points), FINE_SAMPLE)]
+    tolerance = float(np.median(_tolerance(points, sensor)))
+    first = _fitted(points, nearest.normal, nearest.offset, tolerance)
+    return _fitted(points, first.normal, first.offset_m, min(tolerance, flatness_m(first, settings)))
+
+
+def flatness_m(plane: SupportPlane, settings: SceneSettings) -> float:
+    """How far a plane's own points lie from it, metres; without noise, those nearer to it than to the lowest object."""
+    return max(SIGMAS * plane.noise_m, 0.5 * settings.min_height_m)
 
 
 def looks_down(sensor: Sensor, normal: FloatArray, offset: float) -> bool:
     """Whether the `sensor` looks at the plane from the side of its normal; False if its place is not known."""
     if sensor.position is None:
         return False
-    return bool(normal @ sensor.position - offset >= MIN_SENSOR_HEIGHT_M)
+    return bool(normal @ sensor.position - offset >= NEAREST_M)
 
 
-def _cuts(fit: _Fit, sample: FloatArray, sensor: Sensor) -> bool:
-    """Whether much goes on close below a plane, which then is one through things and not what they stand on."""
+def _cuts(fit: _Fit, sample: FloatArray, sensor: Sensor, settings: SceneSettings) -> bool:
+    """Whether as much goes on close below a plane as would make another: then it cuts through things.
+
+    Beside tables there are edges, but a plane through the tops of things in a bin has half of the bin below it.
+    """
     heights, tolerance = sample @ fit.normal - fit.offset, _tolerance(sample, sensor)
-    below = (heights < -CLEAR_BELOW * tolerance) & (heights > -MOST_BELOW_M)
-    return int(np.count_nonzero(below)) > MOST_CUT * int(np.count_nonzero(np.abs(heights) < tolerance))
+    below = (heights < -tolerance) & (heights > -NEAR_M)
+    return int(np.count_nonzero(below)) > settings.min_plane_share * int(np.count_nonzero(np.abs(heights) < tolerance))
 
 
 def _faces(fit: _Fit, sample: FloatArray, sensor: Sensor, settings: SceneSettings) -> bool:
@@ -107,7 +110,7 @@ def _planes(sample: FloatArray, sensor: Sensor, settings: SceneSettings, seed: i
     """Planes one after another, each from the points that the ones before it left over."""
     rng = np.random.default_rng(seed)
     rest, biggest = sample, 0.0
-    while len(rest) >= max(3, len(sample) * max(settings.min_plane_share, SECOND_SHARE * biggest)):
+    while len(rest) >= max(3, len(sample) * max(settings.min_plane_share, GOOD_PART * biggest)):
         plane = consensus_plane(rest, _tolerance(rest, sensor), rng)
         if plane is None:
             return
@@ -127,26 +130,17 @@ def _tolerance(points: FloatArray, sensor: Sensor) -> FloatArray:
         return np.full(len(points), TOLERANCE_SHARE * REACH_M)
     apart = points - sensor.position
     distance = np.sqrt(np.einsum("ij,ij->i", apart, apart))
-    return np.asarray(np.clip(TOLERANCE_SHARE * distance, *TOLERANCE_RANGE_M))
+    return np.asarray(TOLERANCE_SHARE * distance)
 
 
-def _refined(points: FloatArray, sensor: Sensor, fit: _Fit) -> SupportPlane:
-    """Least squares on the inliers of an even sample, within a tolerance that follows from their own scatter."""
-    points = points[spread_indices(len(points), FINE_SAMPLE)]
-    normal, offset = fit.normal, fit.offset
-    residuals = points @ normal - offset
-    tolerance = float(np.median(_tolerance(points, sensor)))
-    noise = tolerance
-    for _ in range(REFINEMENTS):
-        inliers = points[np.flatnonzero(np.abs(residuals) < tolerance)]
-        refined, _ = least_squares_plane(inliers)
-        normal = refined if refined @ normal > 0 else -refined
-        offset = float(np.median(inliers @ normal))
-        residuals = points @ normal - offset
-        scatter = np.abs(residuals)
-        noise = MAD_TO_SIGMA * float(np.median(scatter[scatter < tolerance]))
-        tolerance = min(tolerance, max(SIGMAS * noise, TOLERANCE_RANGE_M[0]))
-    return SupportPlane(normal, offset, max(noise, LEAST_NOISE_M))
+def _fitted(points: FloatArray, normal: FloatArray, offset: float, tolerance: float) -> SupportPlane:
+    """Least squares on those of `points` (n, 3) that lie within a tolerance of a plane, and their scatter."""
+    inliers = points[np.flatnonzero(np.abs(points @ normal - offset) < tolerance)]
+    refined, _ = least_squares_plane(inliers)
+    normal = refined if refined @ normal > 0 else -refined
+    offset = float(np.median(inliers @ normal))
+    scatter = np.abs(points @ normal - offset)
+    return SupportPlane(normal, offset, deviation(scatter[scatter < tolerance]))
 
 
 def _oriented(

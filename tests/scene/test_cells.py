@@ -26,7 +26,8 @@ def test_cells_add_up_what_falls_into_them() -> None:
 
 def test_cells_hold_a_few_points_each() -> None:
     points = np.random.default_rng(0).uniform(0, 0.4, (40_000, 2))  # 25 points in a square centimetre
-    assert fitting_cell_m(*points.T) == pytest.approx(0.004, rel=0.05)
+    x, y = points.T
+    assert fitting_cell_m(x, y, 0.01) == pytest.approx(0.004, rel=0.05)
 
 
 def test_means_are_weighted() -> None:

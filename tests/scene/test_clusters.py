@@ -68,7 +68,7 @@ class TestWhatStandsOut:
         assert count(table(bump(height_mm, 40))) == objects
 
     @pytest.mark.parametrize(("height_mm", "objects"), [(4, 0), (12, 1)])
-    def test_on_a_table_with_ripples_four_times_their_deviation_do(self, height_mm: float, objects: int) -> None:
+    def test_on_a_table_with_ripples_what_is_higher_than_they_are_does(self, height_mm: float, objects: int) -> None:
         """Ripples of 1.5 mm, 25 mm long: no plane's noise, which averages out, but as good as that."""
         points = table(waves(1.5, 25), bump(height_mm, 40))
         assert count(points, noise_mm=0.8) == objects
@@ -97,8 +97,8 @@ class TestWhatStandsOut:
         own = points[found(points, noise_mm=1.0).members[0]]
         assert np.count_nonzero(own[:, 2] < 10 * MM) < 3
 
-    def test_three_points_in_the_air_lift_no_cell_of_the_table(self) -> None:
-        flying = MM * np.array([[50.0, 50, 200], [52, 50, 200], [50, 52, 200]])
+    def test_two_points_in_the_air_lift_no_cell_of_the_table(self) -> None:
+        flying = MM * np.array([[50.0, 50, 200], [52, 50, 200]])
         clusters = found(np.vstack([table(bump(20, 30)), flying]))
         assert (len(clusters.members), len(clusters.clutter)) == (1, 0)
 
@@ -145,12 +145,6 @@ class TestWhere:
     def test_its_middle_is_15_mm_from_the_edge(self, from_edge_mm: float, objects: int) -> None:
         assert count(table(bump(20, 18, (100 - from_edge_mm, 0)))) == objects
 
-    @pytest.mark.parametrize(("height_mm", "from_edge_mm", "objects"), [(6, 20, 0), (15, 20, 1), (6, 60, 1)])
-    def test_within_3_cm_of_the_edge_a_centimetre_may_be_the_sensors_fault(
-        self, height_mm: float, from_edge_mm: float, objects: int
-    ) -> None:
-        assert count(table(bump(height_mm, 14, (100 - from_edge_mm, 0)))) == objects
-
     @pytest.mark.parametrize(("free_mm", "objects"), [(25, 1), (70, 0)])
     def test_the_table_is_seen_within_4_cm_of_it(self, free_mm: float, objects: int) -> None:
         """A shadow may hide what is nearer. What has nothing around it stands on something else."""
@@ -178,8 +172,8 @@ class TestWhere:
         assert len(clusters.members) == 1
         assert clusters.lie_on_table == lies
 
-    @pytest.mark.parametrize(("beyond_mm", "looked_at"), [(70, True), (140, False)])
-    def test_10_cm_beyond_the_table_are_looked_at(self, beyond_mm: float, looked_at: bool) -> None:
+    @pytest.mark.parametrize(("beyond_mm", "looked_at"), [(150, True), (260, False)])
+    def test_20_cm_beyond_the_table_are_looked_at(self, beyond_mm: float, looked_at: bool) -> None:
         post = table(lambda x, _y: 0 * x + 50 * MM, side_mm=20) + np.array([(100 + beyond_mm) * MM, 0.0, 0.0])
         points = np.vstack([table(bump(20, 30)), post])
         assert (len(found(points).clutter) > 100) == looked_at
@@ -215,13 +209,13 @@ class TestFloor:
 
 
 class TestCellSize:
-    @pytest.mark.parametrize(("pitch_mm", "cell_mm"), [(0.6, 2), (2.5, 5), (12, 20)])
-    def test_cells_hold_four_points_and_are_2_to_20_mm_wide(self, pitch_mm: float, cell_mm: float) -> None:
+    @pytest.mark.parametrize(("pitch_mm", "cell_mm"), [(0.6, 1.2), (2.5, 5), (12, 20)])
+    def test_cells_hold_four_points_and_are_20_mm_wide_at_most(self, pitch_mm: float, cell_mm: float) -> None:
         x, y, _ = table(pitch_mm=pitch_mm, side_mm=max(100, 20 * pitch_mm)).T
-        assert fitting_cell_m(x, y) == pytest.approx(cell_mm * MM, rel=0.1)
+        assert fitting_cell_m(x, y, 0.01) == pytest.approx(cell_mm * MM, rel=0.1)
 
     def test_gaps_wider_than_a_centimetre_do_not_count(self) -> None:
-        """A table seen in stripes of 2 cm has cells as small as where it was seen."""
+        """A table seen in stripes of 3 cm has cells as small as where it was seen."""
         x, y, _ = table(pitch_mm=2.5, side_mm=300).T
-        seen = x % 0.06 < 0.02
-        assert fitting_cell_m(x[seen], y[seen]) == pytest.approx(5 * MM, rel=0.2)
+        seen = x % 0.09 < 0.03
+        assert fitting_cell_m(x[seen], y[seen], 0.01) == pytest.approx(5 * MM, rel=0.2)

@@ -7,6 +7,7 @@ import pytest
 
 from flatgrasp_cli import load_settings
 from flatgrasp_cli.geometry.sampling import spread_indices
+from flatgrasp_cli.geometry.scatter import deviation
 from flatgrasp_cli.model import Sensor
 from flatgrasp_cli.scene import support_plane
 from tests.by_hand import MM
@@ -44,6 +45,6 @@ def test_the_scatter_of_a_planes_cells() -> None:
     for seed in range(60):
         ripple = np.random.default_rng(seed).normal(size=120_000)
         sample = ripple[spread_indices(len(ripple), support_plane.FINE_SAMPLE)]
-        scatters.append(support_plane.MAD_TO_SIGMA * np.median(np.abs(sample)))
+        scatters.append(deviation(sample))
     assert np.mean(scatters) == pytest.approx(1, abs=0.01)
     assert np.std(scatters) == ABOUT_1_PERCENT

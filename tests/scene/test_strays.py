@@ -42,13 +42,12 @@ class TestRepeats:
         repeated = np.repeat(np.random.default_rng(1).uniform(-0.1, 0.1, (places, 3)), copies, axis=0)
         return len(without_repeats(Cloud(np.concatenate([BULK[:2000], repeated]))).points) - 2000
 
-    @pytest.mark.parametrize(("copies", "left"), [(1, 1), (3, 3), (5, 1), (500, 1)])
-    def test_of_what_is_there_four_times_one_stays(self, copies: int, left: int) -> None:
+    @pytest.mark.parametrize(("copies", "left"), [(1, 1), (2, 2), (4, 1), (500, 1)])
+    def test_of_what_is_there_three_times_one_stays(self, copies: int, left: int) -> None:
         assert self.left(copies) == left
 
-    def test_eight_such_places_are_looked_for(self) -> None:
-        assert self.left(copies=50, places=8) == 8
-        assert self.left(copies=50, places=10) == 8 + 2 * 50
+    def test_however_many_such_places_there_are(self) -> None:
+        assert self.left(copies=50, places=30) == 30
 
     def test_in_a_large_cloud_a_thousandth_is_noticed(self) -> None:
         """4000 points of it are looked at."""

@@ -65,11 +65,11 @@ class TestWhichPlane:
         found = support(plane(1), plane(share, 0.3, seed=1), min_plane_share=0.05)
         assert height_and_tilt(found)[0] == pytest.approx(0.3 if nearer else 0, abs=1 * MM)
 
-    @pytest.mark.parametrize(("tilt_deg", "height_m"), [(5, 0.3), (25, 0.0)])
-    def test_they_lie_on_top_of_each_other_if_they_are_parallel_within_10_degrees(
+    @pytest.mark.parametrize(("tilt_deg", "height_m"), [(20, 0.4), (40, 0.0)])
+    def test_they_lie_on_top_of_each_other_if_they_are_parallel_within_30_degrees(
         self, tilt_deg: float, height_m: float
     ) -> None:
-        found = support(plane(1), plane(0.6, 0.3, tilt_deg, seed=1))
+        found = support(plane(1), plane(0.6, 0.4, tilt_deg, seed=1))
         assert height_and_tilt(found)[0] == pytest.approx(height_m, abs=2 * MM)
 
     def test_four_walls_may_be_larger_than_the_table(self) -> None:
@@ -83,7 +83,7 @@ class TestWhichPlane:
 
 
 class TestHowItIsFitted:
-    @pytest.mark.parametrize(("distance_m", "tolerance_mm"), [(0.2, 4), (1, 8), (2, 16), (6, 30)])
+    @pytest.mark.parametrize(("distance_m", "tolerance_mm"), [(0.5, 4), (1, 8), (4, 32)])
     def test_points_may_be_off_by_a_share_of_their_distance(self, distance_m: float, tolerance_mm: float) -> None:
         sensor = Sensor("option", np.zeros(3))
         assert _tolerance(np.array([[distance_m, 0.0, 0.0]]), sensor)[0] == pytest.approx(tolerance_mm * MM)
@@ -97,10 +97,13 @@ class TestHowItIsFitted:
         assert found is not None
         assert found.noise_m == pytest.approx(noise_mm * MM, rel=0.08)
 
-    def test_a_simulators_plane_has_a_tenth_of_a_millimetre(self) -> None:
+    def test_a_simulators_plane_has_none(self) -> None:
+        """And objects are found on it: what is lower than the least of them counts as flat."""
         found = support(plane(1, noise_m=0))
         assert found is not None
-        assert found.noise_m == pytest.approx(0.1 * MM)
+        assert found.noise_m < 1e-9
+        block = np.random.default_rng(1).uniform(-0.03, 0.03, (2000, 3)) * [1, 1, 0] + [0, 0, 0.004]
+        assert len(scene_of(np.concatenate([plane(4, noise_m=0), block]), mode="table").objects) == 1
 
     def test_what_lies_close_to_it_adds_little_to_its_noise(self) -> None:
         """Half as many points within 15 mm on either side: once they are left out by its own scatter, 12 %."""
@@ -134,9 +137,9 @@ class TestWhatAViewShows:
     @pytest.mark.parametrize(
         ("share", "depth_m", "noise_m", "below"),
         [
-            *((0.015, 0.05, 1 * MM, False), (0.06, 0.05, 1 * MM, True)),
+            *((0.022, 0.05, 1 * MM, False), (0.04, 0.05, 1 * MM, True)),
             *((0.2, 0.006, 1 * MM, False), (0.2, 0.02, 1 * MM, True)),
-            *((0.2, 0.06, 1 * MM, True), (0.2, 0.2, 1 * MM, False)),
+            *((0.2, 0.16, 1 * MM, True), (0.2, 0.28, 1 * MM, False)),
             *((0.2, 0.013, 6 * MM, False), (0.2, 0.03, 6 * MM, True)),
         ],
         ids=["few", "many", "near", "below", "still close", "floor", "noise", "below noise"],
@@ -144,9 +147,9 @@ class TestWhatAViewShows:
     def test_what_goes_on_below_a_plane_is_a_body(
         self, share: float, depth_m: float, noise_m: float, below: bool
     ) -> None:
-        """More than 3 % of the points, 1 to 10 cm below it, and below three standard deviations of its noise."""
+        """More than 3 % of the points, 1 to 20 cm below it, and below three standard deviations of its noise."""
         points = np.concatenate([plane(1, noise_m=0.1 * noise_m), plane(share, -depth_m, noise_m=0)])
-        assert _goes_on_below(points, SupportPlane(UP, 0.0, noise_m)) == below
+        assert _goes_on_below(points, SupportPlane(UP, 0.0, noise_m), load_settings().scene) == below
 
     @pytest.mark.parametrize(("slant_deg", "from_above"), [(8, False), (16, True)])
     def test_the_hand_comes_from_above_unless_the_object_stands_within_11_degrees_of_upright(

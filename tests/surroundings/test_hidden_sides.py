@@ -28,7 +28,7 @@ class TestHiddenSides:
         low, high = (grasp.position[1] + sign * grasp.opening_m / 2 for sign in (-1, 1))
         assert abs(axes_from_quaternion(grasp.orientation)[1, 1]) > 0.98
         assert low < -radius - HAND.clearance_m
-        assert high > radius
+        assert high > radius - 0.5 * MM  # half of what an outline is known to
 
     def test_the_same_with_coarser_pixels(self, pr2: Gripper) -> None:
         grasp = seen(pr2, Tube((0.0, 0.0, 0.033), 0.033, 0.12, (1.0, 0.0, 0.0)), camera=replace(ABOVE, tilt_deg=50))

@@ -46,7 +46,7 @@ class TestOpening:
     def test_a_low_obstacle_only_keeps_the_fingertips_up(self, pr2: Gripper) -> None:
         step = Box((0.0, 0.034, 0.0075), (0.2, 0.02, 0.015))
         free, over = Box((0.0, 0.0, 0.03), (0.14, 0.04, 0.06)), 0.015
-        grasp = best(planned(ABOVE.sees(TABLE, free, step), pr2, "scene.select=[0,0]", "scene.gap_m=0.001"))
+        grasp = best(planned(ABOVE.sees(TABLE, free, step), pr2, "scene.select=[0,0]"))
         assert grasp.position[2] == pytest.approx(over + DEPTH.obstacle_clearance_m, abs=3 * MM)
 
     def test_what_is_wider_than_the_hand_is_refused_with_the_numbers(self, pr2: Gripper) -> None:

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
-from flatgrasp_cli.profiles.base import Angle, Component, FarPlace, Length, Profile, Share, Size, not_zero
+from flatgrasp_cli.profiles.base import Angle, Component, FarPlace, Profile, Share, Size, not_zero
 
 
 class SceneSettings(Profile):
@@ -30,11 +30,7 @@ class SceneSettings(Profile):
     min_plane_share: Share
     """Share of the points that a support plane has at least."""
     min_height_m: Size
-    """Least height of an object, metres."""
-    noise_factor: Annotated[float, Field(ge=1, le=20)]
-    """An object stands this many times the standard deviation of the support plane's raster above it."""
-    gap_m: Length
-    """Parts of an object may be this far apart, metres; objects closer than this count as one."""
+    """Least height of an object, metres; more where the support plane's own cells scatter as high as that."""
     min_size_m: Size
     """Objects whose footprint is smaller than a square of this side, metres, are taken for outliers."""
     max_size_m: Size

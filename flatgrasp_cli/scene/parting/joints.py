@@ -7,22 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
-from flatgrasp_cli.scene.parting.view_grid import SIDES, ViewGrid, shifted
+from flatgrasp_cli.scene.cells import SMOOTH_CELLS
+from flatgrasp_cli.scene.parting.view_grid import ViewGrid, shifted, sides
 
-HANGS_M = 0.015
-"""A piece that was seen down to its lower edge, and that ends so high above the support plane, does not lie on it:
-noise and what the sensor loses at a foot are a third of that."""
-CORE_CELLS = 6
-"""Cells of a piece, at least, that lie in no seam, or low enough to stand on the plane: fewer may be noise, or hold
-flying points."""
-ODD_SHARE = 0.05
-"""Share of a piece's cells beyond its lower and its upper end: those at an edge also hold points of what is behind."""
-HELD_M = 0.005
-"""A piece that touches another one so much higher than where it ends does not lie on that: a handle, and no lid."""
-ONE_SIDED = 0.9
-"""Least share of what was seen at a hollow's edge that belongs to one piece."""
-COVERED = 0.2
-"""Share of a piece's edge that may be hidden behind something nearer before nobody knows how it goes on."""
+MOST = 0.9
+"""Share of a piece that tells what all of it does: cells at an edge also hold points of what is behind, and of a
+hollow's edge a little may touch another thing, or be hidden by one."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,12 +32,16 @@ class _Borders:
     beyond: FloatArray
 
 
-def held_together(grid: ViewGrid, names: IntArray) -> IntArray:
+def held_together(grid: ViewGrid, names: IntArray, least_m: float) -> IntArray:
     """The names (rows, columns) with those of pieces that are parts of another one replaced by its name.
 
     A thing that is held by nothing below it falls. So a piece that ends in the air, and does not lie on what it
     touches, is joined to that: a mug's handle, a wing. And a piece is joined to the one that stands around it, higher
     than itself: the inside of a mug, a pan's bottom.
+
+    A piece hangs if it was seen down to its lower edge, and that lies higher above the support plane than half of the
+    least part `least_m` is wide: noise and what the sensor loses at a foot are less, and few cells hold flying points.
+    It does not lie on what it touches higher than where it ends by a fifth of that: a handle, and no lid.
     """
     names = np.where(grid.known, names, 0)
     count = int(names.max()) + 1
@@ -55,17 +49,17 @@ def held_together(grid: ViewGrid, names: IntArray) -> IntArray:
     cells = np.maximum(np.bincount(names.ravel(), minlength=count), 1)
     height = np.where(grid.known, grid.height, 0.0).ravel()
     middle = np.bincount(names.ravel(), weights=height, minlength=count) / cells
-    feet = np.bincount(names.ravel(), weights=height < HANGS_M, minlength=count)
-    hangs = (feet < CORE_CELLS) & (borders.hidden <= COVERED * borders.edge)
+    feet = np.bincount(names.ravel(), weights=height < 0.5 * least_m, minlength=count)
+    hangs = (feet < SMOOTH_CELLS**2) & (borders.hidden <= (1 - MOST) * borders.edge)
     low, high = np.full((2, count), np.nan)
     meeting = (np.flatnonzero(borders.met[1:].any(axis=1)) + 1).tolist()
     for name in meeting:
-        low[name], high[name] = np.quantile(height[names.ravel() == name], (ODD_SHARE, 1 - ODD_SHARE))
+        low[name], high[name] = np.quantile(height[names.ravel() == name], (1 - MOST, MOST))
     joined = np.arange(count)
     for name in meeting:
         other = _around(borders, name, middle, high)
         if other is None and hangs[name]:
-            other = _held_by(borders, name, low)
+            other = _held_by(borders, name, low + 0.2 * least_m)
         if other is not None:
             joined[joined == joined[name]] = joined[other]
     return np.asarray(joined[names])
@@ -76,7 +70,7 @@ def _around(borders: _Borders, name: int, middle: FloatArray, high: FloatArray) 
     edge, met = borders.edge[name], borders.met[name]
     other = int(met.argmax())
     # a rim may hide what is close behind it, and its own inside is lost where it is steep
-    enclosed = 2 * met.sum() >= edge and met[other] >= ONE_SIDED * met.sum()
+    enclosed = 2 * met.sum() >= edge and met[other] >= MOST * met.sum()
     deeper = middle[name] < borders.own[name] / edge and high[name] < high[other]
     return other if enclosed and deeper else None
 
@@ -87,14 +81,14 @@ def _held_by(borders: _Borders, name: int, low: FloatArray) -> int | None:
     other = int(steps.argmax())
     if 2 * steps[other] <= borders.met[name, other]:
         return None
-    return other if borders.beyond[name, other] / steps[other] > low[name] + HELD_M else None
+    return other if borders.beyond[name, other] / steps[other] > low[name] else None
 
 
 def _borders(grid: ViewGrid, names: IntArray, count: int) -> _Borders:
     """Where the pieces called `names` (rows, columns), 0 for cells without points, meet."""
     edge, hidden, own = np.zeros((3, count))
     met, smooth, beyond = np.zeros((3, count * count))
-    for step in SIDES:
+    for step in sides():
         there, height = shifted(names, step), shifted(grid.height, step)
         ends: BoolArray = (names > 0) & (names != there)
         meets = ends & (there > 0)

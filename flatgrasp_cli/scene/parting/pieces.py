@@ -9,15 +9,11 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from flatgrasp_cli.kernels.flood import flooded
-from flatgrasp_cli.scene.cells import LEAST_CELL_M, POINTS_PER_CELL
-from flatgrasp_cli.scene.parting.joints import CORE_CELLS, held_together
+from flatgrasp_cli.scene.cells import MIN_POINTS, POINTS_PER_CELL, SMOOTH_CELLS
+from flatgrasp_cli.scene.parting.joints import held_together
 from flatgrasp_cli.scene.parting.seams import color_seam_cells, seam_cells, surface_normals
-from flatgrasp_cli.scene.parting.view_grid import DOWN, RIGHT, SIDES, ViewGrid, shifted
-
-LEAST_CELLS = 30
-"""Cells of a piece, at least: of fewer most lie at its own edge, where normals are poor."""
-SURE_SIGMAS = 4.0
-"""A bend is told from noise by so many of its standard deviations."""
+from flatgrasp_cli.scene.parting.view_grid import DOWN, RIGHT, ViewGrid, shifted, sides
+from flatgrasp_cli.scene.support_plane import SIGMAS
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,21 +49,19 @@ class Surface:
 def pieces(surface: Surface, limits: Limits) -> IntArray:
     """Names (n,), positive, of the pieces that a surface is made of."""
     spacing_m, noise_m = surface.spacing_m, surface.noise_m
-    cell_m = max(
-        LEAST_CELL_M, np.sqrt(POINTS_PER_CELL) * spacing_m, fitting_cell_m(spacing_m, noise_m, limits.seam_deg)
-    )
+    cell_m = max(float(np.sqrt(POINTS_PER_CELL)) * spacing_m, fitting_cell_m(spacing_m, noise_m, limits.seam_deg))
     grid = ViewGrid.of(surface.points, surface.heights, surface.viewpoint, cell_m, noise_m)
     normals, has_normal = surface_normals(grid)
     seams = seam_cells(grid, normals, has_normal, limits.seam_deg)
     if surface.colors is not None and limits.seam_color is not None:
         seams |= color_seam_cells(grid, surface.colors, limits.seam_color)
     names = _connected(grid, has_normal & ~seams)
-    for least_cells in (CORE_CELLS, max(LEAST_CELLS, (limits.least_m / grid.cell_m) ** 2)):
+    for least_cells in (SMOOTH_CELLS**2, max(MIN_POINTS, (limits.least_m / grid.cell_m) ** 2)):
         names = _of_size(names, least_cells)
         if np.count_nonzero(np.bincount(names.ravel())[1:]) < 2:
             return np.ones(len(surface.points), dtype=np.intp)
         names = _flooded(grid, names, normals)
-    names = _over_necks(grid, held_together(grid, _nearest(names)), limits.neck_m)
+    names = _over_necks(grid, held_together(grid, _nearest(names), limits.least_m), limits.neck_m)
     return np.asarray(grid.of_points(names))
 
 
@@ -114,7 +108,7 @@ def fitting_cell_m(spacing_m: float, noise_m: float, seam_deg: float) -> float:
     The mean of the (c/s)² points in a cell of side c scatters by σ s/c, the slope of a plane through 3 × 3 such cells
     by σ s/(√6 c²), and the difference of two slopes by √2 times that.
     """
-    return float(np.sqrt(SURE_SIGMAS * np.sqrt(2 / 6) * noise_m * spacing_m / np.radians(seam_deg)))
+    return float(np.sqrt(SIGMAS * np.sqrt(2 / 6) * noise_m * spacing_m / np.radians(seam_deg)))
 
 
 def _connected(grid: ViewGrid, free: BoolArray) -> IntArray:
@@ -137,7 +131,7 @@ def _flooded(grid: ViewGrid, names: IntArray, normals: FloatArray) -> IntArray:
     nearest to.
     """
     waiting = np.flatnonzero(grid.known.ravel() & (names.ravel() == 0))
-    steps = np.array([down * names.shape[1] + right for down, right in SIDES])
-    smooth = np.stack([grid.smooth_to(side).ravel() for side in SIDES]).view(np.uint8)
+    steps = np.array([down * names.shape[1] + right for down, right in sides()])
+    smooth = np.stack([grid.smooth_to(side).ravel() for side in sides()]).view(np.uint8)
     places = grid.places().reshape(3, -1)
     return flooded(names.ravel(), waiting, steps, smooth, places, normals.reshape(3, -1)).reshape(names.shape)

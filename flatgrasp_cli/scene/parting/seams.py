@@ -10,8 +10,6 @@ from flatgrasp_cli.kernels import view as kernels
 from flatgrasp_cli.scene.parting.view_grid import REACH_CELLS, Step, ViewGrid, shifted
 
 LINES: tuple[Step, ...] = ((0, 1), (1, 0), (1, 1), (1, -1))
-LEAST_NEIGHBOURS = 3
-"""Neighbours of a cell that a plane needs besides itself."""
 
 
 def seam_cells(grid: ViewGrid, normals: FloatArray, has_normal: BoolArray, seam_deg: float) -> BoolArray:
@@ -46,5 +44,5 @@ def color_seam_cells(grid: ViewGrid, colors: ByteArray, least: float) -> BoolArr
 
 def surface_normals(grid: ViewGrid) -> tuple[FloatArray, BoolArray]:
     """Unit normals (3, rows, columns) toward the sensor, by planes through 3 × 3 cells, and where there are any."""
-    normals = kernels.normals(grid.x, grid.y, grid.depth, grid.jump_m, LEAST_NEIGHBOURS)
+    normals = kernels.normals(grid.x, grid.y, grid.depth, grid.jump_m, 3)  # besides its own, three places make a plane
     return normals, np.asarray(normals.any(axis=0))

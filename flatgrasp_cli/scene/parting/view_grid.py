@@ -12,22 +12,17 @@ from numpy.typing import NDArray
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.kernels import view as kernels
-from flatgrasp_cli.scene.support_plane import SIGMAS
+from flatgrasp_cli.scene.support_plane import NEAREST_M, SIGMAS
 
 LOST_DEG = 15.0
 """A surface seen more flatly than this returns nothing to a depth camera, so one that was seen is no steeper."""
-MOST_CELLS = 200_000
 REACH_CELLS = 2
 """How far on both sides of a cell a bend is measured: the normals there see three cells each, and not the seam. Shifted
 images wrap around, so that more cells than that are empty around all points."""
-MOST_ASIDE, LEAST_AHEAD = 4.0, 0.1
-"""Tangent of the widest angle to the line of sight: of points beside or behind the viewpoint there is no image.
-Nor is there of those that are nearer than this share of the distance to most."""
 
 Step = tuple[int, int]
 DOWN: Step = (1, 0)
 RIGHT: Step = (0, 1)
-SIDES = (DOWN, RIGHT, (-1, 0), (0, -1))
 T = TypeVar("T", bound=np.generic)
 
 
@@ -65,7 +60,7 @@ class ViewGrid:
         pitch = cell_m / distance
         rim = (REACH_CELLS + 1) * pitch
         low, high = np.array([x.min(), y.min()]) - rim, np.array([x.max(), y.max()]) + rim
-        raster = Raster.over(low, high, pitch, MOST_CELLS)
+        raster = Raster.over(low, high, pitch)
         cell_m = raster.cell_m * distance
         cell = raster.cells(x, y)
         jump_m = cell_m / np.tan(np.radians(LOST_DEG)) + SIGMAS * noise_m
@@ -119,6 +114,11 @@ def neighbours() -> Iterator[Step]:
     return ((down, right) for down in (-1, 0, 1) for right in (-1, 0, 1) if (down, right) != (0, 0))
 
 
+def sides() -> Iterator[Step]:
+    """The steps to the four cells beside one."""
+    return (step for step in neighbours() if 0 in step)
+
+
 def image_of(points: FloatArray, viewpoint: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Image coordinates x and y at distance 1, and depths (n,), of `points` (n, 3) seen from `viewpoint` (3,).
 
@@ -129,6 +129,5 @@ def image_of(points: FloatArray, viewpoint: FloatArray) -> tuple[FloatArray, Flo
     across = np.cross(np.eye(3)[int(np.argmin(np.abs(sight)))], sight)
     across /= np.linalg.norm(across)
     local = np.stack([across, np.cross(sight, across), sight]) @ (points - viewpoint).T
-    ahead = np.maximum(local[2], LEAST_AHEAD * float(np.median(local[2])))
-    x, y = np.clip(local[:2] / ahead, -MOST_ASIDE, MOST_ASIDE)
-    return x, y, local[2]
+    ahead = np.maximum(local[2], NEAREST_M)  # of points beside or behind the viewpoint there is no image
+    return local[0] / ahead, local[1] / ahead, local[2]
