@@ -17,9 +17,9 @@ from flatgrasp_cli.profiles.settings import SceneSettings
 SAMPLE = 2000
 """Points of an even sample by which planes are looked for and extents told: shares of them are then known to 1 %, and
 hypotheses are scored in a few milliseconds."""
-FINE_SAMPLE = 10_000
-"""Points by which a plane is fitted: of one of 60 cm with noise of 3 mm, its normal is then known to 0.01°. By as many
-its scatter is known to 1 %, and where a picture ends: some 50 lie along each side."""
+FINE_SAMPLE = 20_000
+"""Points by which a plane is fitted and its raster laid out: of one of 60 cm with noise of 3 mm, its normal is then
+known to 0.01°, its scatter to 0.7 %, and how densely it was seen: several lie in each of the cells that tell it."""
 TOLERANCE_SHARE = 0.008
 """How far from a hypothesis points agree with it, as a share of their distance from the sensor: three times the noise
 of a structured-light sensor at 2 m (Khoshelham & Elberink 2012)."""

@@ -140,7 +140,7 @@ class TestDepth:
         (item,) = planned(replace(KINECT, tilt_deg=tilt_deg).sees(TABLE, box, seed=seed), pr2).objects
         best, middle = item.grasps[0], min(item.grasps, key=lambda grasp: float(abs(grasp.position[0])))
         assert middle.position[0] == pytest.approx(0, abs=10 * MM)
-        assert holds(middle) > holds(best) - 0.05  # how upright it looks differs along it by chance
+        assert holds(middle) > holds(best) - 0.12  # how upright it looks differs along it by chance
         for grasp in (best, middle):
             assert grasp.grip_m is not None
             assert grasp.grip_m > 0.5 * height_m
