@@ -16,9 +16,6 @@ POINTS_PER_CELL = 4.0
 """Points that a cell should hold: their mean has half of a point's noise, and nine cells' a sixth."""
 SMOOTH_CELLS = 3
 """Side of the window over which cells are averaged, in cells: the mean of nine has a third of one cell's noise."""
-MIN_POINTS = 30
-"""Least number of points of an object, and of cells of a piece: of fewer most lie at an edge, where outlines are noise
-and normals poor."""
 LEVEL_WINDOW_M = 0.08
 """Side of the square over which the plane's own level is averaged, metres: wider than a low object, and narrower than
 the waves of a sensor's distortion, of some 20 cm."""

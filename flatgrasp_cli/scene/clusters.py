@@ -16,10 +16,11 @@ from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.geometry.scatter import deviation
 from flatgrasp_cli.model import Floor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
-from flatgrasp_cli.scene.cells import LEVEL_WINDOW_M, MIN_POINTS, SMOOTH_CELLS, SortedPoints, fitting_cell_m, smoothed
+from flatgrasp_cli.scene.cells import LEVEL_WINDOW_M, SMOOTH_CELLS, SortedPoints, fitting_cell_m, smoothed
 from flatgrasp_cli.scene.masks import ends_of, hull_of, span_of
 from flatgrasp_cli.scene.strays import lonely
 from flatgrasp_cli.scene.support_plane import FINE_SAMPLE, GOOD_PART, NEAR_M, SIGMAS, flatness_m
+from flatgrasp_cli.surroundings.slices import MIN_POINTS
 
 SECTORS = 16
 """Directions around an object. In a good part of them the support plane is seen if the object stands on it: seen

@@ -12,15 +12,12 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from flatgrasp_cli.model import SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
-from flatgrasp_cli.scene.cells import MIN_POINTS
 from flatgrasp_cli.scene.clusters import Clusters
 from flatgrasp_cli.scene.container import Container, find_container
 from flatgrasp_cli.scene.parting import Limits, Surface, pieces
 from flatgrasp_cli.scene.support_plane import flatness_m
+from flatgrasp_cli.surroundings.slices import MIN_POINTS
 
-LONGEST_WHOLE_M = 0.35
-"""Pieces that touch and are together no longer than this, metres, may be one object, as a drill's body and handle are:
-hardly a tool that a hand carries is longer."""
 NECK_SIDES = 2
 """Of a neck or a handle so many sides are seen at once, at most, each as wide as the least part: pieces that may be one
 object and meet along a line no longer than that are one."""
@@ -148,7 +145,7 @@ class Heap:
         if self._is_small(rows, 2):
             return [rows] if len(rows) else []
         least_m = self.settings.least_part_m
-        may_be_one = self._width_m(rows) <= LONGEST_WHOLE_M
+        may_be_one = self._width_m(rows) <= longest_whole_m(self.settings)
         limits = Limits(
             seam_deg=self.settings.seam_deg,
             least_m=least_m,
@@ -194,6 +191,14 @@ class Heap:
     def _is_object(self, rows: IntArray) -> bool:
         """Whether points are enough for an object, and not too far apart."""
         return len(rows) >= MIN_POINTS and _length_m(self.points[rows]) <= self.settings.max_size_m
+
+
+def longest_whole_m(settings: SceneSettings) -> float:
+    """How long pieces that touch are together, metres, at most, if they may be one object, as a drill's two ends are.
+
+    Half as long as the longest object: hardly a tool that a hand carries is longer.
+    """
+    return 0.5 * settings.max_size_m
 
 
 def _most(which: BoolArray) -> bool:

@@ -10,7 +10,7 @@ from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.model import Cloud, ObjectCloud, Sensor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.clusters import Clusters
-from flatgrasp_cli.scene.heaps import LONGEST_WHOLE_M
+from flatgrasp_cli.scene.heaps import longest_whole_m
 from flatgrasp_cli.scene.picture import at_table_edge, cut_off
 from flatgrasp_cli.scene.stacking import supported_by
 from flatgrasp_cli.scene.support_plane import NEAR_M, REACH_M, looks_down
@@ -50,7 +50,7 @@ def objects_of(
     for group in sorted({group for group in groups if group is not None}):
         parts = [index for index, own in enumerate(groups) if own == group]
         place = np.concatenate([places[index] for index in parts])
-        if np.linalg.norm(np.ptp(standing[place], axis=0)) <= LONGEST_WHOLE_M:
+        if np.linalg.norm(np.ptp(standing[place], axis=0)) <= longest_whole_m(settings):
             whole = around.object(parts[0], place)
             cut_any, edge_any = (any(flags[index] for index in parts) for flags in (cut, at_edge))
             wholes.append(replace(whole, group=group, cut_off=cut_any, at_edge=edge_any))

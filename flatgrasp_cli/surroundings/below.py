@@ -13,13 +13,11 @@ from flatgrasp_cli.kernels import below as kernels
 from flatgrasp_cli.model import GraspCandidates, OpenHands
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import HandSettings
+from flatgrasp_cli.surroundings.maps import NOISE_M
 
 AT_CONTACT_M = 0.005
 """Closer to the pad than this, metres, a point of the object may be one that the pad rests on: two cells of the map and
 the silhouette's own uncertainty."""
-SAME_M = 0.001
-"""If what a finger meets would be lower by more than this, metres, without the object's own points, it is the object.
-It decides how a refusal is worded, and lies above rounding and below the height of anything."""
 
 
 class Stops(NamedTuple):
@@ -151,7 +149,7 @@ def palm_meets(short_m: float, height_m: float, gripper: Gripper) -> Miss:
 
 def fingers_meet(short_m: float, height_m: float, others_m: float) -> Miss:
     """The refusal of fingers that come down on what is `height_m` high, `others_m` without the object's own points."""
-    own = height_m - others_m > SAME_M
+    own = height_m - others_m > NOISE_M
     what = "the object itself, beside the pads" if own else "what stands beside it"
     return Miss(
         f"the pads would end {1e3 * short_m:.1f} mm too high to grip: the fingers come down on {what}, "

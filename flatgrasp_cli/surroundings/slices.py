@@ -22,7 +22,7 @@ MOST_ALIKE = 2
 """Largest number of slices with about the same footprint. It is more than one because close above what a part lies on,
 its flanks do not look upright yet."""
 MIN_POINTS = 30
-"""Least number of a part's points: with fewer, a silhouette is mostly noise."""
+"""Least number of points of an object, and of a part of it: with fewer, a silhouette is mostly noise."""
 TOP_QUANTILE = 0.99
 """The share of an object's points that lie below its top: the others may be flying pixels."""
 

@@ -17,7 +17,7 @@ BODY = Box((0.0, 0.0, 0.045), (0.08, 0.08, 0.09))
 
 
 class TestParts:
-    @pytest.mark.parametrize("tilt", [20, 30, 45])
+    @pytest.mark.parametrize("tilt", [15, 30, 45])
     def test_what_hangs_at_a_side_is_a_part(self, tilt: float) -> None:
         """A bar as wide as a thing, 4 cm up in the air, whose lower edge is seen, can only be held by the box."""
         bar = Box((0.09, 0.0, 0.06), (0.1, 0.05, 0.04))
@@ -28,7 +28,7 @@ class TestParts:
         bar = Box((0.09, 0.0, 0.02), (0.1, 0.05, 0.04))
         assert_each_is_one(scene_of(replace(KINECT, tilt_deg=tilt).sees(TABLE, BODY, bar)), (BODY, bar), 0.9)
 
-    @pytest.mark.parametrize("thick_mm", [30, 40])
+    @pytest.mark.parametrize("thick_mm", [15, 30])
     def test_nor_is_what_lies_on_something(self, thick_mm: float) -> None:
         plate = Box((0.0, 0.0, 0.02), (0.14, 0.12, 0.04))
         lid = Box((0.0, 0.0, 0.04 + 0.5 * thick_mm * MM), (0.07, 0.06, thick_mm * MM))
@@ -42,7 +42,7 @@ class TestParts:
         ],
         ids=["mug", "pan"],
     )
-    @pytest.mark.parametrize("tilt", [5, 25, 42])
+    @pytest.mark.parametrize("tilt", [5, 25, 45])
     def test_the_inside_of_a_hollow_thing_is_a_part_of_it(self, hollow: Solid, tilt: float) -> None:
         assert len(scene_of(Camera(tilt_deg=tilt).sees(TABLE, hollow)).objects) == 1
 

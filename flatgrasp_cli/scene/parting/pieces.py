@@ -9,11 +9,12 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from flatgrasp_cli.kernels.flood import flooded
-from flatgrasp_cli.scene.cells import MIN_POINTS, POINTS_PER_CELL, SMOOTH_CELLS
+from flatgrasp_cli.scene.cells import POINTS_PER_CELL, SMOOTH_CELLS
 from flatgrasp_cli.scene.parting.joints import held_together
 from flatgrasp_cli.scene.parting.seams import color_seam_cells, seam_cells, surface_normals
 from flatgrasp_cli.scene.parting.view_grid import DOWN, RIGHT, ViewGrid, shifted, sides
 from flatgrasp_cli.scene.support_plane import SIGMAS
+from flatgrasp_cli.surroundings.slices import MIN_POINTS
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +58,7 @@ def pieces(surface: Surface, limits: Limits) -> IntArray:
         seams |= color_seam_cells(grid, surface.colors, limits.seam_color)
     names = _connected(grid, has_normal & ~seams)
     for least_cells in (SMOOTH_CELLS**2, max(MIN_POINTS, (limits.least_m / grid.cell_m) ** 2)):
-        names = _of_size(names, least_cells)
+        names = _of_size(names, least_cells)  # of fewer most lie at an edge, where normals are poor
         if np.count_nonzero(np.bincount(names.ravel())[1:]) < 2:
             return np.ones(len(surface.points), dtype=np.intp)
         names = _flooded(grid, names, normals)

@@ -13,9 +13,8 @@ from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.kernels import view as kernels
 from flatgrasp_cli.scene.support_plane import NEAREST_M, SIGMAS
+from flatgrasp_cli.surroundings.sight import LOST_DEG
 
-LOST_DEG = 15.0
-"""A surface seen more flatly than this returns nothing to a depth camera, so one that was seen is no steeper."""
 REACH_CELLS = 2
 """How far on both sides of a cell a bend is measured: the normals there see three cells each, and not the seam. Shifted
 images wrap around, so that more cells than that are empty around all points."""
@@ -63,6 +62,7 @@ class ViewGrid:
         raster = Raster.over(low, high, pitch)
         cell_m = raster.cell_m * distance
         cell = raster.cells(x, y)
+        # a surface seen more flatly returns nothing, so one that was seen is no steeper
         jump_m = cell_m / np.tan(np.radians(LOST_DEG)) + SIGMAS * noise_m
         values = np.stack([point_depth, x, y, heights])
         depth, x, y, height = kernels.nearest_means(values, cell, raster.size, jump_m).reshape(4, *raster.shape)
