@@ -29,7 +29,7 @@ from flatgrasp_cli.profiles import Gripper, PlannerSettings, Robot
 from flatgrasp_cli.proof import Certificates
 from flatgrasp_cli.ranking import CAUSES, by_probability, differing
 from flatgrasp_cli.robot import Motion, Plane, flange_at, reach, way_to
-from flatgrasp_cli.surroundings import SAME_DEG, tilt_deg
+from flatgrasp_cli.surroundings import tilt_deg
 
 REACH_CANDIDATES = 500
 """The best grasps of an object that a robot is asked about: a third of a second."""
@@ -189,7 +189,7 @@ def _motion(cloud: ObjectCloud, plane: Frame, gripper: Gripper, settings: Planne
     One that came aslant goes back first: only of that way is it known that nothing is in it.
     """
     away = plane.axes[2] if cloud.support is None else cloud.support.normal
-    aslant = tilt_deg(plane.axes[2], away) > SAME_DEG
+    aslant = not np.allclose(plane.axes[2], away)
     return Motion(settings.depth.approach_m, settings.depth.lift_m, away, gripper.symmetric, back_first=aslant)
 
 

@@ -17,11 +17,11 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.geometry.polygon import area_centroid, cross, left_normal
+from flatgrasp_cli.ranking.lifting import STANDARD_GRAVITY
 
 FLAT = 1e-12
 """Three wrenches whose plane's normal is shorter lie on a line."""
 IN_PLANE = 1e-12
-STANDARD_GRAVITY = 9.80665
 MOST_ROWS = 2_000
 """Grasps worked on at once."""
 

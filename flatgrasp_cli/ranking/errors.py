@@ -14,8 +14,6 @@ from flatgrasp_cli.profiles.uncertainty import Uncertainty
 
 PRIMES = np.array([2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0])
 """One for each of a sample's numbers."""
-TINY = 1e-9
-"""Points of the unit cube come no nearer to its faces, where the normal distribution ends."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,4 +73,5 @@ def _sequence(count: int, seed: int) -> FloatArray:
     start = np.random.default_rng(seed).random(len(PRIMES))
     steps = np.sqrt(PRIMES)
     points = np.mod(start + np.arange(1, count + 1)[:, None] * steps, 1.0)
-    return np.asarray(np.clip(points, TINY, 1 - TINY))
+    least = np.finfo(np.float64).eps  # the normal distribution ends at the cube's faces
+    return np.asarray(np.clip(points, least, 1 - least))

@@ -11,8 +11,6 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 STANDARD_GRAVITY = 9.80665
 STRESS = 1.5
 """The load of lifting, as a multiple of the weight: arms speed up and slow down by half of gravity."""
-LEAST_PAD_M = 1e-4
-"""Stands for the height that pads cover which hold nothing."""
 
 
 class Load(NamedTuple):
@@ -48,7 +46,7 @@ def friction_to_lift(load: Load, force_n: float, pads: FloatArray, lift_m: float
 
 def _mean_radius(pads: FloatArray) -> FloatArray:
     """The mean distance (p,) of a rectangle's points from its middle, metres, by its sides `pads` (p, 2)."""
-    wide, high = np.maximum(pads, LEAST_PAD_M).T
+    wide, high = np.maximum(pads, np.finfo(np.float64).eps).T  # pads that hold nothing cover no height
     return np.asarray(
         (2 * np.hypot(wide, high) + wide**2 / high * np.arcsinh(high / wide) + high**2 / wide * np.arcsinh(wide / high))
         / 12

@@ -12,9 +12,6 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import ObjectCloud, OrientedBox
 from flatgrasp_cli.profiles.settings import ApproachSettings
 
-SAME_DEG = 5.0
-"""A direction that differs by less from straight down is that, degrees: hands are turned by as much by mistake."""
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Direction:
@@ -59,7 +56,8 @@ def _all_around(
     first = [] if own is None else [Direction(own.frame.axes[2], "main_plane")]
     if cloud.viewpoint is not None:
         first.append(Direction(_unit(cloud.viewpoint - cloud.points.mean(axis=0)), "view"))
-    yield from (each for each in first if SAME_DEG < tilt_deg(each.toward, normal) <= settings.max_tilt_deg)
+    least_deg = min(settings.tilts_deg, default=0.0)  # what is turned by less is as good as straight down
+    yield from (each for each in first if least_deg < tilt_deg(each.toward, normal) <= settings.max_tilt_deg)
     turned = np.cross(normal, across)
     turns = 2 * np.pi * np.arange(settings.around) / settings.around
     for tilt in np.radians([each for each in settings.tilts_deg if each <= settings.max_tilt_deg]):

@@ -38,8 +38,6 @@ from flatgrasp_cli.surroundings.view import View
 
 SPARSER = 2
 """How many times as far apart as from straight above slices are: what is wide from there is deep from aslant."""
-LEAST_FALL = 1e-3
-"""Stands for the cosine of 90°: the support plane beside a hand that comes along it is as high as a house."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +150,8 @@ class Tilted:
     def _standing(self, local: FloatArray, frame: Frame, cell_m: float) -> HeightMap:
         """The floor around points `local` (n, 3), seen along z of the `frame`."""
         normal = self.floor.frame.axes[2]
-        fall = max(float(frame.axes[2] @ normal), LEAST_FALL)
+        # beside a hand that comes along the support plane, that is as high as can be
+        fall = max(float(frame.axes[2] @ normal), float(np.finfo(np.float64).eps))
         beside_m = max(0.0, self._clearance_m - fall * self.settings.depth.obstacle_clearance_m)
         chart = HeightMap.around(local, cell_m, FINGERS_M)
         rows, columns = chart.raster.shape
