@@ -96,7 +96,7 @@ class TestTouching:
         assert len(scene_of(ABOVE.sees(TABLE, plate, knob)).objects) == 1
         assert len(scene_of(ABOVE.sees(TABLE, plate, knob), "least_part_m=0.012").objects) == 2
 
-    @pytest.mark.parametrize(("neck_mm", "count"), [(25, 1), (80, 2)])
+    @pytest.mark.parametrize(("neck_mm", "count"), [(25, 1), (50, 1), (80, 2)])
     def test_what_a_neck_joins_is_one_thing(self, neck_mm: float, count: int) -> None:
         """A narrow bar, or a wide one, ends at the side of a box: a handle, or another thing."""
         box = Box((0.0, 0.0, 0.02), (0.08, 0.10, 0.04))
