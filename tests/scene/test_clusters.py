@@ -145,6 +145,15 @@ class TestWhere:
     def test_its_middle_is_15_mm_from_the_edge(self, from_edge_mm: float, objects: int) -> None:
         assert count(table(bump(20, 18, (100 - from_edge_mm, 0)))) == objects
 
+    @pytest.mark.parametrize(("from_deg", "objects"), [(18, 1), (25, 0)])
+    def test_in_five_of_16_directions(self, from_deg: float, objects: int) -> None:
+        """Up to 95 degrees, the table beside a block is seen in so many, or in four."""
+        points = table(bump(20, 30), side_mm=300)
+        ring = np.abs(points[:, :2]).max(axis=1)
+        angle = np.degrees(np.arctan2(points[:, 1], points[:, 0]))
+        hidden = (ring > 15 * MM) & (ring < 50 * MM) & ((angle < from_deg) | (angle > 95))
+        assert count(without(points, hidden)) == objects
+
     @pytest.mark.parametrize(("free_mm", "objects"), [(25, 1), (70, 0)])
     def test_the_table_is_seen_within_4_cm_of_it(self, free_mm: float, objects: int) -> None:
         """A shadow may hide what is nearer. What has nothing around it stands on something else."""

@@ -352,6 +352,13 @@ def test_what_is_no_view_of_objects_is_refused(mode: str) -> None:
     assert scene.reason.startswith("the cloud is 19")
 
 
+@pytest.mark.parametrize(("wide_m", "refused"), [(17, False), (25, True)])
+def test_no_view_of_objects_is_wider_than_20_m(wide_m: float, refused: bool) -> None:
+    room = np.random.default_rng(0).uniform(-0.5, 0.5, (5000, 3)) * [wide_m, 3.0, 3.0]
+    reason = scene_of(replace(ABOVE.sees(BLOCK), points=room), "mode=table").reason
+    assert (reason is not None and reason.startswith("the cloud is")) == refused
+
+
 def test_a_stray_point_far_away_does_not_make_a_scene_too_large() -> None:
     view = ABOVE.sees(TABLE, BLOCK)
     far = np.vstack([view.points, [[0.0, 0.0, 300.0]]])
