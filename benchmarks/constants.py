@@ -50,8 +50,8 @@ TESTS = {
 """The files and folders of tests that could notice, the quickest first."""
 SECONDS = 300
 """A change that makes the tests run longer than this is noticed, too."""
-NO_QUANTITY = {"EITHER_JAW", "seed", "MAX_CELLS", "MAX_PAIRS", "BLOCK", "ROW", "NEIGHBOURS_AT_ONCE"}
-"""A name, what any number will do for, and how much is worked on at once (tests/planner/test_at_once.py)."""
+NO_QUANTITY = {"EITHER_JAW", "PRIMES", "seed"}
+"""A name, and numbers that any others would do for."""
 PASSED, FAILED, REFUSED = 0, 1, 2
 
 

@@ -13,11 +13,7 @@ from flatgrasp_cli.kernels import below as kernels
 from flatgrasp_cli.model import GraspCandidates, OpenHands
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import HandSettings
-from flatgrasp_cli.surroundings.maps import NOISE_M
-
-AT_CONTACT_M = 0.005
-"""Closer to the pad than this, metres, a point of the object may be one that the pad rests on: two cells of the map and
-the silhouette's own uncertainty."""
+from flatgrasp_cli.surroundings.maps import MIN_CELL_M, NOISE_M
 
 
 class Stops(NamedTuple):
@@ -40,12 +36,12 @@ def under_fingers(
 ) -> tuple[FloatArray, FloatArray]:
     """Highest point and length that no ray reached, metres, (MARGINS, p) each, below fingers `margins` beside the pads.
 
-    Near the pads, where the object itself may be seen, fingers can meet only the `rest`; farther out, whatever is
-    `highest`.
+    Near the pads fingers can meet only the `rest`, farther out whatever is `highest`: within a cell, and how well a
+    silhouette is known, what is seen of the object may be what the pads rest on.
     """
     cell = rest.cell_m
     reach = np.maximum(np.ceil((margins + gripper.finger_thickness_m) / cell).astype(np.intp) - 1, 0)
-    at_contact = int(np.ceil(AT_CONTACT_M / cell - 0.5))
+    at_contact = int(np.ceil(MIN_CELL_M / cell + 0.5))
     hands = np.column_stack([grasps.center, grasps.axis, 0.5 * grasps.width])
     fingers = _places(gripper, gripper.finger_width_m + 2 * clearance_m, cell)
     found, hidden = kernels.under_fingers(hands, fingers, reach, at_contact, rest.heights, highest.heights, _grid(rest))

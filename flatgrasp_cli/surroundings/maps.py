@@ -12,6 +12,8 @@ from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.surroundings.envelope import Envelope
 from flatgrasp_cli.surroundings.view import View
 
+MIN_CELL_M = 0.002
+"""Least side of height maps' cells, metres, which is otherwise the points' spacing: a silhouette is known no better."""
 NOISE_M = 0.001
 """Heights that differ by less, metres, are the same: a height map's noise."""
 

@@ -21,7 +21,7 @@ from flatgrasp_cli.model import ObjectCloud, OrientedBox, SupportPlane
 from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.surroundings.alone import Alone
 from flatgrasp_cli.surroundings.interface import Surroundings
-from flatgrasp_cli.surroundings.maps import HeightMaps
+from flatgrasp_cli.surroundings.maps import MIN_CELL_M, HeightMaps
 from flatgrasp_cli.surroundings.on_support import OnSupport
 from flatgrasp_cli.surroundings.slices import Slice, slices
 from flatgrasp_cli.surroundings.view import View
@@ -34,9 +34,6 @@ FINGERS_M = 0.12
 out."""
 NEIGHBOURS_WITHIN = 2.0
 """Steps of a square grid within which a point at its edge has six neighbours; on a rod they lie farther along it."""
-MIN_CELL_M = 0.002
-"""Least side of height maps' cells, metres, which is otherwise the points' spacing: a silhouette is known no
-better."""
 MOST_HANGING_M = 0.04
 """An object that is nowhere longer, metres, may hang in the air: ghosts beside the edges of a stereo camera's views are
 small. A larger one may be held by something that was not seen."""

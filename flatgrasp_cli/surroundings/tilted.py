@@ -23,10 +23,9 @@ from flatgrasp_cli.model import Floor, ObjectCloud
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.surroundings.aslant import Aslant, surely_behind_m
-from flatgrasp_cli.surroundings.maps import HeightMaps
+from flatgrasp_cli.surroundings.maps import MIN_CELL_M, HeightMaps
 from flatgrasp_cli.surroundings.places import (
     FINGERS_M,
-    MIN_CELL_M,
     NEIGHBOURS_WITHIN,
     PIXEL_CELLS,
     Place,

@@ -148,8 +148,8 @@ class TestUnderFingers:
         highest, unseen = under_fingers(grasps, np.array([[0.02]]), *charts, PR2, 0.002)
         return float(highest[0, 0]) / MM, float(unseen[0, 0]) / MM
 
-    @pytest.mark.parametrize(("own_mm", "met_mm"), [((22, 24), 0), ((27, 29), 30), ((47, 48), 30), ((51, 60), 0)])
-    def test_within_5_mm_of_the_pad_the_object_may_be_what_it_rests_on(
+    @pytest.mark.parametrize(("own_mm", "met_mm"), [((22, 23), 0), ((23, 24), 30), ((47, 48), 30), ((51, 60), 0)])
+    def test_within_2_mm_and_a_cell_of_the_pad_the_object_may_be_what_it_rests_on(
         self, own_mm: tuple[float, float], met_mm: float
     ) -> None:
         assert self.under(self.charts(own_mm))[0] == pytest.approx(met_mm)
