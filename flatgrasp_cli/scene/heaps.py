@@ -15,6 +15,7 @@ from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.clusters import Clusters
 from flatgrasp_cli.scene.container import Container, find_container
 from flatgrasp_cli.scene.parting import Limits, Surface, pieces
+from flatgrasp_cli.scene.stacking import least_drop_m
 from flatgrasp_cli.scene.support_plane import flatness_m
 from flatgrasp_cli.surroundings.slices import MIN_POINTS
 
@@ -149,6 +150,7 @@ class Heap:
         limits = Limits(
             seam_deg=self.settings.seam_deg,
             least_m=least_m,
+            drop_m=least_drop_m(self.settings),
             neck_m=NECK_SIDES * least_m if may_be_one else 0.0,
             seam_color=self.settings.seam_color,
         )

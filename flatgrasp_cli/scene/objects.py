@@ -12,7 +12,7 @@ from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.clusters import Clusters
 from flatgrasp_cli.scene.heaps import longest_whole_m
 from flatgrasp_cli.scene.picture import at_table_edge, cut_off
-from flatgrasp_cli.scene.stacking import supported_by
+from flatgrasp_cli.scene.stacking import least_drop_m, supported_by
 from flatgrasp_cli.scene.support_plane import NEAR_M, REACH_M, looks_down
 
 
@@ -33,7 +33,7 @@ def objects_of(
     places = [np.arange(end - len(own), end) for own, end in zip(clusters.members, ends, strict=True)]
     groups = clusters.groups or (None,) * len(places)
     around = _Around(standing, sensor, plane, clusters)
-    carried = supported_by(cloud.points, clusters.members, clusters.floor, 0.5 * settings.min_size_m)
+    carried = supported_by(cloud.points, clusters.members, clusters.floor, least_drop_m(settings))
     at_edge = at_table_edge(cloud.points, clusters.members, clusters.floor, settings.least_part_m)
     cut = cut_off(cloud, overlook(cloud.points, sensor, plane), clusters.members, clusters.floor.spacing_m)
     objects = tuple(

@@ -8,15 +8,21 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.kernels.sorting import from_above
 from flatgrasp_cli.model import Floor
+from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.support_plane import GOOD_PART
 
 
+def least_drop_m(settings: SceneSettings) -> float:
+    """How much lower what a thing lies on is than the thing, metres, at least: by half of the least object."""
+    return 0.5 * settings.min_size_m
+
+
 def supported_by(
-    points: FloatArray, members: tuple[IntArray, ...], floor: Floor, lower_m: float
+    points: FloatArray, members: tuple[IntArray, ...], floor: Floor, drop_m: float
 ) -> tuple[tuple[int, ...], ...]:
     """For each of the `members`, indices of `points` (n, 3), the numbers of those that lie on it.
 
-    Seen from above, a thing is surrounded by the one that it lies on, and that is lower there, by at least `lower_m`,
+    Seen from above, a thing is surrounded by the one that it lies on, and that is lower there, by at least `drop_m`,
     than most of what was seen of the thing.
     """
     if len(members) < 2:
@@ -25,7 +31,7 @@ def supported_by(
     below: list[tuple[int, ...]] = [() for _ in members]
     for name in range(len(members)):
         mine = owner == name
-        if mine.any() and (under := _under(mine, owner, height, lower_m)) is not None:
+        if mine.any() and (under := _under(mine, owner, height, drop_m)) is not None:
             below[under] = (*below[under], name)
     return tuple(below)
 
@@ -42,7 +48,7 @@ def _from_above(points: FloatArray, members: tuple[IntArray, ...], floor: Floor)
     return owner.reshape(raster.shape), height.reshape(raster.shape)
 
 
-def _under(mine: BoolArray, owner: IntArray, height: FloatArray, lower_m: float) -> int | None:
+def _under(mine: BoolArray, owner: IntArray, height: FloatArray, drop_m: float) -> int | None:
     """The member that the one whose cells are `mine` lies on."""
     reach = 2  # the cells beside a thing may hold points of both
     rows, columns = np.flatnonzero(mine.any(axis=1)), np.flatnonzero(mine.any(axis=0))
@@ -50,7 +56,7 @@ def _under(mine: BoolArray, owner: IntArray, height: FloatArray, lower_m: float)
     mine, owner, height = mine[box], owner[box], height[box]
     size = 2 * reach + 1
     ring = (cv2.dilate(mine.view(np.uint8), np.ones((size, size), np.uint8)) > 0) & ~mine
-    lower = ring & np.isfinite(height) & (height < np.median(height[mine]) - lower_m)
+    lower = ring & np.isfinite(height) & (height < np.median(height[mine]) - drop_m)
     if not lower.any():
         return None
     counts = np.bincount(owner[lower])

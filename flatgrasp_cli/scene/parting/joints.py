@@ -32,7 +32,7 @@ class _Borders:
     beyond: FloatArray
 
 
-def held_together(grid: ViewGrid, names: IntArray, least_m: float) -> IntArray:
+def held_together(grid: ViewGrid, names: IntArray, least_m: float, drop_m: float) -> IntArray:
     """The names (rows, columns) with those of pieces that are parts of another one replaced by its name.
 
     A thing that is held by nothing below it falls. So a piece that ends in the air, and does not lie on what it
@@ -41,7 +41,7 @@ def held_together(grid: ViewGrid, names: IntArray, least_m: float) -> IntArray:
 
     A piece hangs if it was seen down to its lower edge, and that lies higher above the support plane than half of the
     least part `least_m` is wide: noise and what the sensor loses at a foot are less, and few cells hold flying points.
-    It does not lie on what it touches higher than where it ends by a fifth of that: a handle, and no lid.
+    It lies on what it touches no more than `drop_m` above its lower end, as a lid does, and a handle does not.
     """
     names = np.where(grid.known, names, 0)
     count = int(names.max()) + 1
@@ -59,7 +59,7 @@ def held_together(grid: ViewGrid, names: IntArray, least_m: float) -> IntArray:
     for name in meeting:
         other = _around(borders, name, middle, high)
         if other is None and hangs[name]:
-            other = _held_by(borders, name, low + 0.2 * least_m)
+            other = _held_by(borders, name, low + drop_m)
         if other is not None:
             joined[joined == joined[name]] = joined[other]
     return np.asarray(joined[names])

@@ -22,11 +22,13 @@ class Limits:
     """What parts two pieces: a concave bend of more than `seam_deg`, or colours that differ by more than `seam_color`.
 
     A piece whose area, as seen, is less than a square of side `least_m` belongs to the one beside it, or the nearest.
-    Pieces that meet along less than `neck_m` are one: a neck or a handle joins them.
+    Pieces that meet along less than `neck_m` are one: a neck or a handle joins them. What one lies on is lower than it
+    by `drop_m`.
     """
 
     seam_deg: float
     least_m: float
+    drop_m: float
     neck_m: float = 0.0
     seam_color: float | None = None
 
@@ -62,7 +64,7 @@ def pieces(surface: Surface, limits: Limits) -> IntArray:
         if np.count_nonzero(np.bincount(names.ravel())[1:]) < 2:
             return np.ones(len(surface.points), dtype=np.intp)
         names = _flooded(grid, names, normals)
-    names = _over_necks(grid, held_together(grid, _nearest(names), limits.least_m), limits.neck_m)
+    names = _over_necks(grid, held_together(grid, _nearest(names), limits.least_m, limits.drop_m), limits.neck_m)
     return np.asarray(grid.of_points(names))
 
 
