@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from flatgrasp_cli.model import Grasp, ObjectPlan
 from flatgrasp_cli.planning import plan_object
 from flatgrasp_cli.ranking import TIE
 from flatgrasp_cli.surroundings.below import fingers_meet, under_fingers, under_palm
+from flatgrasp_cli.surroundings.descent import _Upright
 from tests.by_hand import MM, Relief, across, bar, on_table
 from tests.conftest import holds
 
@@ -158,11 +161,20 @@ class TestUnderFingers:
     def test_the_length_that_no_ray_reached_is_that_of_both_sides(self, seen_mm: float, unseen_mm: float) -> None:
         assert self.under(self.charts((0, 0), seen_mm))[1] == pytest.approx(unseen_mm, abs=1.5)
 
-    @pytest.mark.parametrize(("others_mm", "cause"), [(29.5, "neighbours"), (28, "itself")])
+    @pytest.mark.parametrize(("others_mm", "cause"), [(29.2, "neighbours"), (28.7, "itself")])
     def test_what_is_a_millimetre_lower_without_the_objects_points_is_the_object(
         self, others_mm: float, cause: str
     ) -> None:
         assert fingers_meet(0.001, 30 * MM, others_mm * MM).cause == cause
+
+
+def test_leans_are_told_for_fingertips_a_quarter_of_the_grip_higher_each() -> None:
+    """Of walls 40 mm high that recede by a tenth of the height: over the lower half of what is left of the grip."""
+    walls: Any = SimpleNamespace(recess=lambda _rows, height, of_crests: 0.1 * height)
+    height, table = np.array([40 * MM]), np.zeros(1)
+    held = _Upright(wall=height, firm=height, need=table, seen=table, found=walls)
+    _, grasps = across([0.04])
+    assert held.lean(grasps, table) == pytest.approx(np.array([[2 / 20, 2.5 / 15, 3 / 10, 3.5 / 5]]))
 
 
 @pytest.mark.parametrize(("aside_m", "met"), [(0.01, True), (0.02, True), (0.03, False)])

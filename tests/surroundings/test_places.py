@@ -55,6 +55,15 @@ class TestSlices:
         assert 30 * MM < tower[0].level_m <= 30 * MM + DEPTH.slice_step_m
         assert tower[1].level_m == pytest.approx(tower[0].level_m + DEPTH.slice_step_m)
 
+    @pytest.mark.parametrize(("side", "parts"), [(5, 0), (6, 2)])
+    def test_of_fewer_than_30_points_there_is_no_silhouette(self, side: int, parts: int) -> None:
+        """A tower of five points a side, or of six, on a plate of 31."""
+        heap = self.heap()
+        heap = heap[np.abs(heap[:, :2]).max(axis=1) < 15.5 * MM] * [1, 1, 0] + [0, 0, 30 * MM]
+        x, y = np.round(heap[:, :2].T / MM)
+        heap[(x >= 0) & (x < side) & (y >= 0) & (y < side), 2] = 80 * MM
+        assert len(slices(heap, 2 * MM, DEPTH)) == 1 + parts
+
     def test_a_block_is_one_slice(self) -> None:
         block = self.heap()
         block[:, 2] = 60 * MM

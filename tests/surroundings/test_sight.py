@@ -93,6 +93,10 @@ class TestUnseenBeyond:
         envelope = behind_a_box(lambda _x, y: 40 + y)
         assert unseen_beyond(AT_ORIGIN, envelope, 25 * MM)[0] == pytest.approx(15 * MM, abs=2 * CELL_M)
 
+    def test_nothing_is_looked_for_4_cm_beyond(self) -> None:
+        dark = behind_a_box(lambda _x, y: 300 + 0 * y)
+        assert unseen_beyond(AT_ORIGIN, dark, LEVEL_M)[0] == pytest.approx(40 * MM, abs=CELL_M)
+
     def test_a_flat_shadow_hides_nothing_of_what_fingers_reach(self) -> None:
         assert unseen_beyond(AT_ORIGIN, behind_a_box(lambda _x, y: 3 + 0 * y), LEVEL_M)[0] == 0
 
@@ -179,7 +183,7 @@ class TestHiddenExtent:
     def test_nor_of_a_strip_of_a_few_millimetres(self) -> None:
         """An upright face seen from the front is as broad as the sensor's noise."""
         assert extent_mm(lambda _x, y: np.where(y < 4, 40.0, np.nan), 40, bound_m=30 * MM) == pytest.approx(30)
-        assert extent_mm(lambda _x, y: np.where(y < 10, 40.0, np.nan), 40, bound_m=30 * MM) == 0
+        assert extent_mm(lambda _x, y: np.where(y < 8, 40.0, np.nan), 40, bound_m=30 * MM) == 0
 
     def test_on_the_sensors_side_a_flank_was_seen_to_its_end(self) -> None:
         found = hidden_extent(AT_ORIGIN, maps(lying_can(25, 45)), np.array([ANYTHING_M]), np.array([0.0, -0.5, 0.8]))
