@@ -170,7 +170,7 @@ class TestUnderFingers:
 
 def test_leans_are_told_for_fingertips_a_quarter_of_the_grip_higher_each() -> None:
     """Of walls 40 mm high that recede by a tenth of the height: over the lower half of what is left of the grip."""
-    walls: Any = SimpleNamespace(recess=lambda _rows, height, of_crests: 0.1 * height)
+    walls: Any = SimpleNamespace(recess=lambda _rows, height, **_: 0.1 * height)
     height, table = np.array([40 * MM]), np.zeros(1)
     held = _Upright(wall=height, firm=height, need=table, seen=table, found=walls)
     _, grasps = across([0.04])

@@ -174,7 +174,7 @@ class TestHiddenExtent:
         """2 mm lower at the outermost cell, as a camera blurs it: no flank."""
         assert extent_mm(lambda _x, y: np.where(y < 2, 38.0, 40.0), 60) == 0
 
-    @pytest.mark.parametrize(("fall", "known"), [(0.3, True), (0.8, False)])
+    @pytest.mark.parametrize(("fall", "known"), [(0.4, True), (0.6, False)])
     def test_of_a_face_without_a_top_nobody_knows_how_thick_it_is(self, fall: float, known: bool) -> None:
         """It rises toward the far edge that it was last seen at: then the object goes on as far as the rays allow."""
         extent = extent_mm(lambda _x, y: np.where(y < 20, 40 - fall * y, np.nan), 40, bound_m=30 * MM)
