@@ -51,7 +51,8 @@ class Clusters:
 def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettings) -> Clusters | None:
     """The objects among `points` (n, 3) on `plane`, largest first; None if no cell shows the plane itself."""
     frame, flat_m = frame_on_plane(plane.normal, plane.offset_m), flatness_m(plane, settings)
-    raster = _raster(points, frame, flat_m, settings.least_part_m / SMOOTH_CELLS)
+    coarse_m = settings.least_part_m / SMOOTH_CELLS  # shadows and gaps are as wide as parts
+    raster = _raster(points, frame, flat_m, coarse_m)
     # heights are cut off, lest a single flying point lift the mean of all cells around it
     found = SortedPoints.of(points, frame, raster, (-flat_m, settings.least_part_m))
     own = found.total / np.maximum(found.count, 1)

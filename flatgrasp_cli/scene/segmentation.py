@@ -8,7 +8,6 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Cloud, ObjectCloud, Scene, Sensor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
-from flatgrasp_cli.scene.cells import SMOOTH_CELLS
 from flatgrasp_cli.scene.clusters import find_clusters
 from flatgrasp_cli.scene.faint import without_faint
 from flatgrasp_cli.scene.heaps import Heap
@@ -20,6 +19,8 @@ from flatgrasp_cli.scene.support_plane import NEAR_M, SAMPLE, find_support_plane
 LARGEST_EXTENT_M = 20.0
 """No view of objects for a gripper is wider than this, metres; a lidar's is, and so is a cloud in millimetres."""
 NO_PLANE = "no support plane was found"
+RIPPLE_M = 0.010
+"""A table's own ripple, metres: what lies close below a plane, and not on it, is lower."""
 BELOW_SHARE = 0.03
 """Share of points close below a plane, of those on it, from which on the plane is a part of a body. Real tables have
 less than 1 %, at their edges."""
@@ -85,7 +86,7 @@ def _goes_on_below(points: FloatArray, plane: SupportPlane, settings: SceneSetti
     """Whether much lies close below a plane, as a body's flanks do below its front."""
     heights, flat_m = plane.heights(points[spread_indices(len(points), SAMPLE)]), flatness_m(plane, settings)
     on = np.abs(heights) < flat_m
-    below = (heights < -max(flat_m, settings.least_part_m / SMOOTH_CELLS)) & (heights > -NEAR_M)
+    below = (heights < -max(flat_m, RIPPLE_M)) & (heights > -NEAR_M)
     return bool(below.sum() > BELOW_SHARE * on.sum())
 
 

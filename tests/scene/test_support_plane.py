@@ -138,7 +138,7 @@ class TestWhatAViewShows:
         ("share", "depth_m", "noise_m", "below"),
         [
             *((0.022, 0.05, 1 * MM, False), (0.04, 0.05, 1 * MM, True)),
-            *((0.2, 0.006, 1 * MM, False), (0.2, 0.02, 1 * MM, True)),
+            *((0.2, 0.008, 1 * MM, False), (0.2, 0.013, 1 * MM, True)),
             *((0.2, 0.16, 1 * MM, True), (0.2, 0.28, 1 * MM, False)),
             *((0.2, 0.013, 6 * MM, False), (0.2, 0.03, 6 * MM, True)),
         ],
