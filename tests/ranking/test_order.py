@@ -5,12 +5,14 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
+import pytest
 
 from flatgrasp_cli import load_settings, plan
+from flatgrasp_cli.model import GraspCandidates
 from flatgrasp_cli.profiles import Gripper
 from flatgrasp_cli.profiles.uncertainty import HandUncertainty, Uncertainty
 from flatgrasp_cli.ranking import TIE, best_first, by_probability
-from flatgrasp_cli.ranking.order import CONTENDERS
+from flatgrasp_cli.ranking.success import Situation
 from tests.by_hand import MM, across
 from tests.conftest import EACH, TABLE, Box, Camera, cloud_of, rectangle, sampled
 from tests.ranking.situations import situation, unsure
@@ -41,25 +43,43 @@ def test_no_grasp_has_no_order() -> None:
     assert order([], []) == []
 
 
-def test_what_could_not_win_is_only_estimated() -> None:
-    """Of a hundred grasps along a bar so many are tried; the others follow them."""
-    places = np.column_stack([np.linspace(-30, 30, 100) * MM, np.zeros(100)])
+def along_a_bar(length_mm: float) -> GraspCandidates:
+    """A hundred grasps, evenly spread about the middle of a bar."""
+    places = np.column_stack([np.linspace(-0.5, 0.5, 100) * length_mm * MM, np.zeros(100)])
     _, grasps = across(
         [0.04] * 100, opening=np.full(100, 0.06), tip=np.zeros(100), grip=np.full(100, 0.02), margin=np.full(100, 0.01)
     )
-    grasps = grasps.having(
+    return grasps.having(
         middle=places,
         lean=np.zeros((100, 1)),
         hidden=np.zeros((100, 2)),
         unseen=np.zeros(100),
         gravity_distance=np.abs(places[:, 0]),
     )
-    ranked = best_first(grasps, situation(rectangle(100, 40), unsure("position_m=0.005")))
+
+
+def test_what_could_not_win_is_only_estimated() -> None:
+    """Of a hundred grasps along a bar so many are tried; the others follow them."""
+    ranked = best_first(along_a_bar(60), situation(rectangle(100, 40), unsure("position_m=0.005")))
     tried = np.isfinite(ranked.probability)
-    assert 10 < np.count_nonzero(tried) <= CONTENDERS
+    assert 10 < np.count_nonzero(tried) <= 16
     assert tried.tolist() == sorted(tried.tolist(), reverse=True)
     assert sorted(ranked.i.tolist()) == list(range(100))
     assert ranked.gravity_distance[0] < 2 * MM
+
+
+def test_48_are_tried_with_a_quarter_of_the_samples_and_16_with_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where a hundred lie farther apart than the hand misses by."""
+    trials = list[tuple[int, float]]()
+    tried = Situation.tried
+
+    def counted(self: Situation, grasps: GraspCandidates) -> GraspCandidates:
+        trials.append((len(grasps), self.share))
+        return tried(self, grasps)
+
+    monkeypatch.setattr(Situation, "tried", counted)
+    best_first(along_a_bar(800), situation(rectangle(840, 40), unsure("position_m=0.005")))
+    assert trials == [(48, 0.25), (16, 1.0)]
 
 
 def test_the_papers_choice_is_the_smallest_gravity_distance(pr2: Gripper) -> None:
