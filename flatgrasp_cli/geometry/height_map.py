@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray, true_entries
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.raster import Raster
+from flatgrasp_cli.kernels import below
 
 UNSEEN = -np.inf
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class HeightMap:
     """Heights (rows, columns) over the cells of a `raster`; −inf where no point lies, as all along the rim."""
 
@@ -24,6 +26,11 @@ class HeightMap:
     def cell_m(self) -> float:
         """Side of the cells."""
         return self.raster.cell_m
+
+    @cached_property
+    def tops(self) -> FloatArray:
+        """The highest of each square of so many cells as a search passes over at once."""
+        return below.tops(self.heights)
 
     @classmethod
     def of(cls, points: FloatArray, cell_m: float) -> HeightMap:

@@ -79,7 +79,7 @@ def descended(
     lowest = np.maximum(lowest, around.level_m - depth.slice_step_m)  # what lies deeper is for a lower slice
     headroom = gripper.finger_length_m - depth.palm_clearance_m
     openings = grasps.width + 2 * margins
-    palm = under_palm(grasps, openings, maps.coarse, float(lowest.min()) + headroom, gripper)
+    palm = under_palm(grasps.hands, openings, maps.coarse, float(lowest.min()) + headroom, gripper)
     tips = _tips(below, np.concatenate([palm, palm[:-1]]) - headroom, lowest, held, around)
     widest, choice = _widest(tips[:MARGINS]), _roomiest(tips)
     columns = np.arange(len(grasps))
