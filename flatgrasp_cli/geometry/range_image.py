@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.extents import mean_of
 from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.kernels.projection import projected
 
@@ -29,7 +30,7 @@ class RangeImage:
     @classmethod
     def of(cls, points: FloatArray, viewpoint: FloatArray, spacing_m: float) -> RangeImage:
         """The image of `points` (n, 3), n > 0, that lie `spacing_m` apart, from `viewpoint` (3,)."""
-        middle = points.mean(axis=0) - viewpoint
+        middle = mean_of(points) - viewpoint
         distance = max(float(np.linalg.norm(middle)), spacing_m)
         sight = middle / np.linalg.norm(middle) if middle.any() else np.array([0.0, 0.0, -1.0])
         x = np.cross(np.eye(3)[int(np.argmin(np.abs(sight)))], sight)

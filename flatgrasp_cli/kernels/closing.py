@@ -151,7 +151,7 @@ def _jaw(
     met[jaw, 0], met[jaw, 1] = 1.0, -INFINITY
     for place in range(fingers.shape[0]):
         if fingers[place, 0] == jaw:
-            found = _finger(seen, count, jaw, fingers[place, 1], tip, face, pads, found, met)
+            found = _finger(seen, count, jaw, fingers[place, 1], tip, face, tolerance, pads, found, met)
     met[jaw, 2] = _slope(pads, found, met[jaw, 1], tip[0], tolerance)
 
 
@@ -164,6 +164,7 @@ def _finger(
     offset: cython.double,
     tip: cython.double[::1],
     face: cython.double,
+    tolerance: cython.double,
     pads: cython.double[:, ::1],
     found: cython.Py_ssize_t,
     met: cython.double[:, ::1],
@@ -184,6 +185,8 @@ def _finger(
             continue
         ay: cython.double = side * seen[index, 1]
         by: cython.double = side * seen[index, 3]
+        if max(ay, by) < met[jaw, 1] - tolerance - ON_EDGE_M:  # farther in than what is touched
+            continue
         slope: cython.double = (by - ay) / (bx - ax if bx != ax else 1.0)
         if (ax > offset) != (bx > offset) and ay + (offset - ax) * slope > 0.5 * (near + far):
             inside = not inside

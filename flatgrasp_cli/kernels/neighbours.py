@@ -15,7 +15,9 @@ POINTS_PER_CELL = cython.declare(cython.double, 3.0)
 
 
 def squared_reach(
-    points: cython.float[:, ::1], chosen: cython.Py_ssize_t[::1], count: cython.Py_ssize_t
+    points: cython.float[:, ::1],
+    chosen: cython.const[cython.Py_ssize_t][::1],  # type: ignore[valid-type]
+    count: cython.Py_ssize_t,
 ) -> NDArray[np.float32]:
     """Square (m,) of how far from each of the `chosen` (m,) `points` (n, 2) the farthest of its nearest `count` lies.
 

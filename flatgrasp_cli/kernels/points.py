@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import cython
 import numpy as np
 from cython.cimports.libc.math import sqrt
@@ -58,6 +60,24 @@ def outside(
     return np.asarray(lost[:found])
 
 
+def between(
+    points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
+    low: cython.double[::1],
+    high: cython.double[::1],
+) -> NDArray[np.intp]:
+    """Rows of `points` (n, 3) inside the box between `low` and `high` (3,), and not on its faces."""
+    row: cython.Py_ssize_t
+    found: cython.Py_ssize_t = 0
+    kept: cython.Py_ssize_t[::1] = np.empty(points.shape[0], dtype=np.intp)
+    for row in range(points.shape[0]):
+        if not low[0] < points[row, 0] < high[0] or not low[1] < points[row, 1] < high[1]:
+            continue
+        if low[2] < points[row, 2] < high[2]:
+            kept[found] = row
+            found += 1
+    return np.asarray(kept[:found])
+
+
 def near(
     points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
     place: cython.double[::1],
@@ -77,3 +97,31 @@ def near(
             close = _with(close, found, row, points.shape[0])
             found += 1
     return np.asarray(close[:found])
+
+
+def mean(points: cython.const[cython.double][:, :]) -> NDArray[np.float64]:  # type: ignore[valid-type]
+    """The mean (c,) of `points` (n, c)."""
+    row: cython.Py_ssize_t
+    axis: cython.Py_ssize_t
+    found = np.zeros(points.shape[1])
+    total: cython.double[::1] = found
+    for row in range(points.shape[0]):
+        for axis in range(points.shape[1]):
+            total[axis] += points[row, axis]
+    for axis in range(points.shape[1]):
+        total[axis] /= points.shape[0]
+    return found
+
+
+def bounds(points: cython.const[cython.double][:, :]) -> NDArray[np.float64]:  # type: ignore[valid-type]
+    """The least and the largest coordinates (2, c) of `points` (n, c)."""
+    row: cython.Py_ssize_t
+    axis: cython.Py_ssize_t
+    found = np.full((2, points.shape[1]), math.inf)
+    found[1] = -math.inf
+    bound: cython.double[:, ::1] = found
+    for row in range(points.shape[0]):
+        for axis in range(points.shape[1]):
+            bound[0, axis] = min(bound[0, axis], points[row, axis])
+            bound[1, axis] = max(bound[1, axis], points[row, axis])
+    return found

@@ -214,7 +214,7 @@ class Cloud:
 
     def warned(self, *warnings: CloudWarning) -> Cloud:
         """The cloud with further warnings, none of them twice."""
-        return replace(self, warnings=tuple(dict.fromkeys((*self.warnings, *warnings))))
+        return replace(self, warnings=tuple(dict.fromkeys((*self.warnings, *warnings)))) if warnings else self
 
 
 def _place(values: FloatArray) -> FloatArray:

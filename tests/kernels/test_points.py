@@ -32,6 +32,11 @@ def test_they_are_those_of_the_definitions(seed: int) -> None:
     with np.errstate(invalid="ignore"):
         close = np.linalg.norm(some - high, axis=1) < 0.9
     assert points.near(some, high, 0.9).tolist() == np.flatnonzero(close).tolist()
+    inside = ((some > low) & (some < high)).all(axis=1)
+    assert points.between(some, low, high).tolist() == np.flatnonzero(inside).tolist()
+    good = np.nan_to_num(some, nan=0.1, posinf=0.2, neginf=-0.2)
+    assert np.array_equal(points.mean(good), good.mean(axis=0))
+    assert np.array_equal(points.bounds(good), [good.min(axis=0), good.max(axis=0)])
 
 
 @given(seed=st.integers(0, 999))
@@ -42,6 +47,10 @@ def test_compiled_and_as_written_they_are_the_same(seed: int) -> None:
     assert np.array_equal(points.not_measured(some, 1e4), twin.not_measured(some, 1e4))
     assert np.array_equal(points.outside(some, low, high), twin.outside(some, low, high))
     assert np.array_equal(points.near(some, low, 0.9), twin.near(some, low, 0.9))
+    assert np.array_equal(points.between(some, low, high), twin.between(some, low, high))
+    good = np.nan_to_num(some, nan=0.1, posinf=0.2, neginf=-0.2)
+    assert np.array_equal(points.mean(good), twin.mean(good))
+    assert np.array_equal(points.bounds(good), twin.bounds(good))
 
 
 def test_nobody_has_to_own_the_points() -> None:
