@@ -191,10 +191,11 @@ class Cloud:
 
     def select(self, keep: BoolArray) -> Cloud:
         """The points (n,) that `keep` names."""
+        rows = np.flatnonzero(keep)  # a mask takes several times as long
         return replace(
             self,
-            points=self.points[keep],
-            colors=None if self.colors is None else self.colors[keep],
+            points=self.points.take(rows, axis=0),
+            colors=None if self.colors is None else self.colors.take(rows, axis=0),
             pixels=None if self.pixels is None else self.pixels.select(keep),
         )
 
