@@ -27,6 +27,11 @@ class HeightMap:
         """Side of the cells."""
         return self.raster.cell_m
 
+    @property
+    def grid(self) -> FloatArray:
+        """Where the cells begin, and their size (3,)."""
+        return np.append(self.raster.origin, self.cell_m)
+
     @cached_property
     def tops(self) -> FloatArray:
         """The highest of each square of so many cells as a search passes over at once."""

@@ -50,7 +50,7 @@ def under_fingers(
     at_contact = int(np.ceil(AT_CONTACT_M / cell - 0.5))
     fingers = _places(gripper, gripper.finger_width_m + 2 * clearance_m, cell)
     found, hidden = kernels.under_fingers(
-        grasps.hands, fingers, reach, at_contact, rest.heights, highest.heights, _grid(rest)
+        grasps.hands, fingers, reach, at_contact, rest.heights, highest.heights, rest.grid
     )
     return found, hidden
 
@@ -64,7 +64,7 @@ def stops(hands: OpenHands, rest: HeightMap, coarse: HeightMap, gripper: Gripper
     cell, where = rest.cell_m, hands.rows
     fingers = _places(gripper, 0.5 * gripper.finger_width_m, cell)
     out = 0.5 * gripper.finger_thickness_m + _steps(0.5 * gripper.finger_thickness_m, cell)
-    highest, dark = kernels.under_tips(where, fingers, out, rest.heights, _grid(rest))
+    highest, dark = kernels.under_tips(where, fingers, out, rest.heights, rest.grid)
     long_m = gripper.finger_length_m
     lowest = float(hands.tip.min(initial=np.inf))
     palm = under_palm(where, 2 * where[:, 4][None], coarse, lowest + long_m, gripper)[0] - long_m
@@ -111,12 +111,7 @@ def under_palm(
     beside_m += 0.5 * chart.cell_m
     across = 0.5 * gripper.hand_width_m + beside_m
     along = 0.5 * breadth_m(gripper, openings) + beside_m
-    return kernels.under_palm(hands, chart.heights, chart.tops, _grid(chart), least_m, across, along)
-
-
-def _grid(chart: HeightMap) -> FloatArray:
-    """Where a map's cells begin, and their size (3,)."""
-    return np.append(chart.raster.origin, chart.cell_m)
+    return kernels.under_palm(hands, chart.heights, chart.tops, chart.grid, least_m, across, along)
 
 
 def _places(gripper: Gripper, width_m: float, cell_m: float) -> FloatArray:
