@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from flatgrasp_cli.kernels import trial as kernels
 from flatgrasp_cli.model import GraspCandidates, OpenHands, PlaneShape, Tolerance
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
+from flatgrasp_cli.profiles.uncertainty import Uncertainty
 from flatgrasp_cli.ranking.closing import closed
 from flatgrasp_cli.ranking.errors import Errors, errors_of
 from flatgrasp_cli.ranking.lifting import Load, friction_to_lift
@@ -34,7 +36,7 @@ TURNED_HELD = 0.9
 tries in simulation that came to that, about 30, two or three were lost."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Situation:
     """What grasps are carried out on, among what, and with which hand; and with which `share` of the samples."""
 
@@ -50,11 +52,16 @@ class Situation:
         """The same, with a quarter of the samples: their first, which are spread evenly, too."""
         return replace(self, share=0.25)
 
-    @property
+    @cached_property
+    def unsure(self) -> Uncertainty:
+        """The figures of what is not known."""
+        return self.settings.uncertainty.figures
+
+    @cached_property
     def errors(self) -> Errors:
         """The samples of what is not known, the same for all grasps."""
-        unsure = self.settings.uncertainty.figures
-        return errors_of(replace(unsure, samples=max(1, round(self.share * unsure.samples))), self.settings.seed)
+        samples = max(1, round(self.share * self.unsure.samples))
+        return errors_of(replace(self.unsure, samples=samples), self.settings.seed)
 
     def tried(self, grasps: GraspCandidates, tolerances: Sequence[Tolerance | None] = ()) -> GraspCandidates:
         """The k grasps with `success`, `causes` and `probability`.
@@ -75,7 +82,7 @@ class Situation:
         Where the hand is `inside` (k, s) a basin, closing ends in the grasp, and its two sides are opposed again. What
         depends on friction alone, or on what was not seen, is a chance in each sample; all else is 0 or 1 there.
         """
-        errors, unsure = self.errors, self.settings.uncertainty.figures
+        errors, unsure = self.errors, self.unsure
         wanted = np.column_stack([grasps.center, grasps.axis, 0.5 * grasps.opening])
         hands = OpenHands(kernels.moved(wanted, errors.misses), grasps.tip[:, None] + errors.height)
         force_n, grip_m = self.gripper.max_force_n or unsure.force_n, self._grip_m(grasps)
