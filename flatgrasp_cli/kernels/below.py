@@ -18,11 +18,9 @@ TILE = cython.declare(cython.Py_ssize_t, 8)
 
 @cython.cfunc
 @cython.inline
-def _cell(
-    place: cython.double, low: cython.double, cell_m: cython.double, count: cython.Py_ssize_t
-) -> cython.Py_ssize_t:
-    """The cell that holds a place, out of `count` from `low`."""
-    return cython.cast(cython.Py_ssize_t, min(max((place - low) / cell_m, 0.0), count - 1.0))
+def _bounded(cells: cython.double, count: cython.Py_ssize_t) -> cython.Py_ssize_t:
+    """The row or column that holds a place so many cells from the first; those outside are on the rim."""
+    return cython.cast(cython.Py_ssize_t, min(max(cells, 0.0), count - 1.0))
 
 
 def under_fingers(
@@ -86,14 +84,15 @@ def _across(
     count: cython.double = 0.0
     dark: cython.double = 0.0
     most: cython.double = UNSEEN
-    middle_x: cython.double = hands[hand, 0] + along * hands[hand, 2]
-    middle_y: cython.double = hands[hand, 1] + along * hands[hand, 3]
+    per_cell: cython.double = 1.0 / grid[2]
+    row: cython.double = (hands[hand, 0] + along * hands[hand, 2] - grid[0]) * per_cell
+    column: cython.double = (hands[hand, 1] + along * hands[hand, 3] - grid[1]) * per_cell
+    down: cython.double = -hands[hand, 3] * per_cell
+    right: cython.double = hands[hand, 2] * per_cell
     for place in range(fingers.shape[0]):
         if fingers[place, 0] == jaw:
-            x: cython.double = middle_x - fingers[place, 1] * hands[hand, 3]
-            y: cython.double = middle_y + fingers[place, 1] * hands[hand, 2]
-            row: cython.Py_ssize_t = _cell(x, grid[0], grid[2], heights.shape[0])
-            height: cython.double = heights[row, _cell(y, grid[1], grid[2], heights.shape[1])]
+            first: cython.Py_ssize_t = _bounded(row + fingers[place, 1] * down, heights.shape[0])
+            height: cython.double = heights[first, _bounded(column + fingers[place, 1] * right, heights.shape[1])]
             most = max(most, height)
             dark += height == UNSEEN
             count += 1.0
@@ -129,8 +128,7 @@ def under_tips(
                 met: tuple[cython.double, cython.double] = _across(hands, hand, fingers, jaw, along, heights, grid)
                 most = max(most, met[0])
                 dark += share[jaw] * met[1]
-        answer[0, hand] = most
-        answer[1, hand] = dark
+        answer[0, hand], answer[1, hand] = most, dark
     return found
 
 
@@ -164,7 +162,7 @@ def under_palm(
     hand: cython.Py_ssize_t
     row: cython.Py_ssize_t
     index: cython.Py_ssize_t
-    tiles: cython.Py_ssize_t[:, ::1] = np.argwhere(np.asarray(tops) > least).copy()
+    tiles: cython.Py_ssize_t[:, ::1] = _tiles(hands, tops, grid, least, across, along)
     radius: cython.double = TILE * grid[2]  # of a circle around a tile, and some more
     found = np.full((along.shape[0], along.shape[1]), -math.inf)
     answer: cython.double[:, ::1] = found
@@ -185,6 +183,37 @@ def under_palm(
             if tops[tiles[index, 0], tiles[index, 1]] > lowest:
                 _in_tile(hands, hand, heights, grid, tiles, index, least, across, along, answer)
     return found
+
+
+@cython.cfunc
+def _tiles(
+    hands: cython.double[:, ::1],
+    tops: cython.double[:, ::1],
+    grid: cython.double[::1],
+    least: cython.double,
+    across: cython.double,
+    along: cython.double[:, ::1],
+) -> cython.Py_ssize_t[:, ::1]:
+    """Rows and columns (k, 2) of the squares that are higher than `least`, and in the box around all palms."""
+    row: cython.Py_ssize_t
+    column: cython.Py_ssize_t
+    hand: cython.Py_ssize_t
+    found: cython.Py_ssize_t = 0
+    tiles: cython.Py_ssize_t[:, ::1] = np.empty((tops.shape[0] * tops.shape[1], 2), dtype=np.intp)
+    box: cython.double[::1] = np.array([math.inf, -math.inf, math.inf, -math.inf])
+    for hand in range(hands.shape[0]):
+        for row in range(along.shape[0]):
+            reach: cython.double = across + along[row, hand] + TILE * grid[2]
+            box[0], box[1] = min(box[0], hands[hand, 0] - reach), max(box[1], hands[hand, 0] + reach)
+            box[2], box[3] = min(box[2], hands[hand, 1] - reach), max(box[3], hands[hand, 1] + reach)
+    for row in range(tops.shape[0]):
+        x: cython.double = grid[0] + grid[2] * TILE * (row + 0.5)
+        for column in range(tops.shape[1] if box[0] < x < box[1] else 0):
+            y: cython.double = grid[1] + grid[2] * TILE * (column + 0.5)
+            if tops[row, column] > least and box[2] < y < box[3]:
+                tiles[found, 0], tiles[found, 1] = row, column
+                found += 1
+    return tiles[:found]
 
 
 @cython.cfunc

@@ -101,6 +101,7 @@ def _sort(
 
 
 @cython.cfunc
+@cython.inline
 def _around(
     places: cython.float[:, ::1],
     begin: cython.Py_ssize_t[::1],

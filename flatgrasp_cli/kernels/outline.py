@@ -29,6 +29,7 @@ def contains(
 
 
 @cython.cfunc
+@cython.inline
 def _inside(
     starts: cython.double[:, ::1], ends: cython.double[:, ::1], x: cython.double, y: cython.double
 ) -> cython.bint:

@@ -100,16 +100,17 @@ def near(
 
 
 def mean(points: cython.const[cython.double][:, :]) -> NDArray[np.float64]:  # type: ignore[valid-type]
-    """The mean (c,) of `points` (n, c)."""
+    """The mean (c,) of `points` (n, c) in the plane or in space."""
     row: cython.Py_ssize_t
-    axis: cython.Py_ssize_t
-    found = np.zeros(points.shape[1])
-    total: cython.double[::1] = found
+    last: cython.Py_ssize_t = points.shape[1] - 1
+    x: cython.double = 0.0
+    y: cython.double = 0.0
+    z: cython.double = 0.0
     for row in range(points.shape[0]):
-        for axis in range(points.shape[1]):
-            total[axis] += points[row, axis]
-    for axis in range(points.shape[1]):
-        total[axis] /= points.shape[0]
+        x += points[row, 0]
+        y += points[row, 1]
+        z += points[row, last]
+    found: NDArray[np.float64] = np.array([x, y, z][: last + 1]) / points.shape[0]
     return found
 
 
@@ -117,11 +118,12 @@ def bounds(points: cython.const[cython.double][:, :]) -> NDArray[np.float64]:  #
     """The least and the largest coordinates (2, c) of `points` (n, c)."""
     row: cython.Py_ssize_t
     axis: cython.Py_ssize_t
-    found = np.full((2, points.shape[1]), math.inf)
-    found[1] = -math.inf
+    found = np.empty((2, points.shape[1]))
     bound: cython.double[:, ::1] = found
-    for row in range(points.shape[0]):
-        for axis in range(points.shape[1]):
-            bound[0, axis] = min(bound[0, axis], points[row, axis])
-            bound[1, axis] = max(bound[1, axis], points[row, axis])
+    for axis in range(points.shape[1]):
+        low: cython.double = math.inf
+        high: cython.double = -math.inf
+        for row in range(points.shape[0]):
+            low, high = min(low, points[row, axis]), max(high, points[row, axis])
+        bound[0, axis], bound[1, axis] = low, high
     return found
