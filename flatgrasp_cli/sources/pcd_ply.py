@@ -15,7 +15,9 @@ import numpy as np
 
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.kernels.points import measured
 from flatgrasp_cli.model import Cloud, CloudWarning, ImageGrid, Source
+from flatgrasp_cli.model.clouds import LARGEST_COORDINATE_M
 from flatgrasp_cli.sources.ascii_rows import more_rows, read_columns
 from flatgrasp_cli.sources.pcd_header import PcdHeader, check_pcd_data, read_pcd_header
 from flatgrasp_cli.sources.ply_elements import Column, read_element
@@ -168,12 +170,16 @@ def _goes_on(file: BinaryIO, header: PlyHeader) -> bool:
 
 def _cloud(columns: Sequence[FloatArray] | FloatArray, name: str, shape: tuple[int, int], scale: float) -> Cloud:
     """The cloud of points given as columns x, y and z, of any type; `shape` is height and width."""
-    count = len(columns[0])
-    points = np.empty((count, 3))
+    x, y, z = _numbers(columns)
+    filled = np.empty(len(x), dtype=np.bool_)
+    points = measured(x, y, z, scale, LARGEST_COORDINATE_M, filled.view(np.uint8))
+    pixels = ImageGrid(shape, filled) if min(shape) > 1 else None
+    return Cloud(points, source=Source(name), dropped=len(x) - len(points), pixels=pixels)
+
+
+def _numbers(columns: Sequence[FloatArray] | FloatArray) -> Sequence[FloatArray]:
+    """The columns as numbers of one type, in which a processor reckons."""
+    if len({column.dtype for column in columns} | {np.dtype(np.float32)}) == 1:
+        return list(columns)
     with np.errstate(invalid="ignore"):  # NaN of some kinds warn when they are converted
-        for k, column in enumerate(columns):
-            points[:, k] = column
-    if scale != 1.0:
-        points *= scale
-    pixels = ImageGrid(shape, np.ones(count, dtype=np.bool_)) if min(shape) > 1 else None
-    return Cloud(points, source=Source(name), pixels=pixels)
+        return [np.asarray(column, dtype=np.float64) for column in columns]
