@@ -84,11 +84,10 @@ def outside(
     found: cython.Py_ssize_t = 0
     lost: cython.Py_ssize_t[::1] = np.empty(0, dtype=np.intp)
     for row in range(points.shape[0]):
-        if low[0] <= points[row, 0] <= high[0] and low[1] <= points[row, 1] <= high[1]:
-            if low[2] <= points[row, 2] <= high[2]:
-                continue
-        lost = _with(lost, found, row, points.shape[0])
-        found += 1
+        flat: cython.bint = low[0] <= points[row, 0] <= high[0] and low[1] <= points[row, 1] <= high[1]
+        if not flat or not low[2] <= points[row, 2] <= high[2]:
+            lost = _with(lost, found, row, points.shape[0])
+            found += 1
     return np.asarray(lost[:found])
 
 
