@@ -54,7 +54,7 @@ class HeightMap:
     def raised(self, points: FloatArray) -> HeightMap:
         """The same cells with `points` (n, 3) added to what is there; those outside are left out."""
         heights = self.heights.copy()
-        np.maximum.at(heights.reshape(-1), self.raster.cells(points[:, 0], points[:, 1]), points[:, 2])
+        self.raster.raise_to(heights, *points.T)
         return replace(self, heights=self.raster.rimmed(heights, UNSEEN))
 
     def filled(self, other: HeightMap, frame: Frame, other_frame: Frame) -> HeightMap:

@@ -47,14 +47,14 @@ class RangeImage:
         low, high = np.array([x.min(), y.min()]), np.array([x.max(), y.max()])
         pixels = Raster.over(low, high, pitch)
         image = cls(viewpoint, axes, pixels, np.full(pixels.shape, np.inf))
-        np.minimum.at(image.ranges.reshape(-1), pixels.cells(x, y), ranges)
+        pixels.lower_to(image.ranges, x, y, ranges)
         return image
 
     def of_only(self, points: FloatArray) -> RangeImage:
         """The same pixels as they would be if there were only these `points` (n, 3)."""
         image = replace(self, ranges=np.full(self.pixels.shape, np.inf))
         x, y, ranges = self._projected(points.T)
-        np.minimum.at(image.ranges.reshape(-1), self.pixels.cells(x, y), ranges)
+        self.pixels.lower_to(image.ranges, x, y, ranges)
         self.pixels.rimmed(image.ranges, np.inf)
         return image
 
