@@ -76,9 +76,10 @@ class GraspCandidates:
     the height at which both sides were seen, that of the contacts. Of an object seen alone grip and unseen are not
     known: NaN.
 
-    `hidden` (p, 2) is how far the object probably goes on behind each pad's side, out of sight, and `lean` (p, h) the
-    tangents of the angles by which both walls together lean away from upright, half and half: for fingertips where they
-    should end, and for such that end higher by equal shares of the grip.
+    `hidden` (p, 2) is how far the object at most goes on behind each pad's side, out of sight; by half of that the pads
+    stand beyond where it was seen to end. `lean` (p, h) are the tangents of the angles by which both walls together
+    lean away from upright, half and half: for fingertips where they should end, and for such that end higher by equal
+    shares of the grip.
 
     C: `gravity_distance`, and the `inside_share` of the grasping line that lies in the object.
 
@@ -129,6 +130,11 @@ class GraspCandidates:
     def width(self) -> FloatArray:
         """The object's width between the pads (p,)."""
         return np.asarray(self.pads.sum(axis=1))
+
+    @property
+    def beyond(self) -> FloatArray:
+        """How far (p,) the object at most goes on beyond the pads, out of sight, on the side where that is more."""
+        return np.asarray(0.5 * self.hidden.max(axis=1))
 
     @property
     def center(self) -> FloatArray:

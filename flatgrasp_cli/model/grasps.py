@@ -124,8 +124,8 @@ class Grasp:
     `position` (3,) and `orientation` [x, y, z, w] are the fingertip frame's: origin midway between the fingertip ends,
     z the approach, y the closing axis. `contacts` (2, 3) are on the −y and the +y side, `fingers` the candidates there.
     Over a support plane the fingertips end `tip_height_m` above it, the pads cover `grip_m` of the object's height, and
-    `unseen_m` of the fingers' way was hidden from the sensor; None for an object seen alone. `way` has the poses before
-    and after, and the flange's.
+    `unseen_m` of the fingers' way was hidden from the sensor; None for an object seen alone. Out of sight the object
+    may go on by `hidden_m`, and `width_m` has half of that. `way` has the poses before and after, and the flange's.
     """
 
     rank: int
@@ -147,6 +147,7 @@ class Grasp:
     tip_height_m: float | None = None
     grip_m: float | None = None
     unseen_m: float | None = None
+    hidden_m: float = 0.0
     success: Success | None = None
     cage: Cage | None = None
     closure: Closure | None = None

@@ -28,32 +28,35 @@ def operable(
         pads, room = swept_fit(silhouette, fingers, grasps, gripper, settings.contact_tolerance_m)
     else:
         pads, room = eq2_fit(silhouette, grasps, gripper, settings.contact_tolerance_m)
-    hidden = _spanned_beyond(fingers, grasps, pads, gripper.max_opening_m - 2 * settings.clearance_m)
-    pads, room = pads + hidden, np.maximum(room - hidden, 0.0)
-    grasps = grasps.having(
-        pads=np.ascontiguousarray(pads.T), room=np.ascontiguousarray(room.T), hidden=np.ascontiguousarray(hidden.T)
-    )
-    need = gripper.finger_thickness_m + settings.clearance_m
     # B.3 judged by each candidate's own stretch of boundary; the exact width may still differ.
-    width = grasps.width
-    fits = (width >= gripper.min_opening_m) & (width <= gripper.max_opening_m - 2 * settings.clearance_m)
+    width, widest_m = pads.sum(axis=0), gripper.max_opening_m - 2 * settings.clearance_m
+    fits = (width >= gripper.min_opening_m) & (width <= widest_m)
+    hidden = np.column_stack([fingers.hidden[grasps.i], fingers.hidden[grasps.j]])
+    pads, room = _with_hidden(pads.T, room.T, hidden, widest_m)
+    grasps = grasps.having(pads=pads, room=room, hidden=hidden)
+    need = gripper.finger_thickness_m + settings.clearance_m + grasps.beyond
     shortage = np.where(fits, need - grasps.room.min(axis=1), np.inf)
 
     def miss(value: float) -> str:
         if not np.isfinite(value):
             return f"between the pads every pair is wider than the gripper opens, {gripper.max_opening_m:.3f} m"
-        return f"most room behind a pad {max(need - value, 0.0):.3f} m, the finger needs {need:.3f} m"
+        finger_m = gripper.finger_thickness_m + settings.clearance_m
+        return f"most room behind a pad {max(finger_m - value, 0.0):.3f} m, the finger needs {finger_m:.3f} m"
 
     return grasps.select(funnel.at_most("operability", grasps, shortage, 0.0, miss))
 
 
-def _spanned_beyond(
-    fingers: FingerCandidates, grasps: GraspCandidates, pads: FloatArray, widest_m: float
-) -> FloatArray:
-    """How far (2, p) beyond its own each pad stands, as the object probably goes on there, if the hand opens so far."""
-    hidden = np.stack([fingers.hidden[grasps.i], fingers.hidden[grasps.j]])
-    spare, total = np.maximum(widest_m - pads.sum(axis=0), 0.0), hidden.sum(axis=0)
-    return np.asarray(hidden * np.minimum(1.0, spare / np.where(total > 0, total, 1.0)))
+def _with_hidden(
+    pads: FloatArray, room: FloatArray, hidden: FloatArray, widest_m: float
+) -> tuple[FloatArray, FloatArray]:
+    """Pads and room (p, 2) where the object goes on out of sight by half of what is `hidden` (p, 2) at most.
+
+    That is how far it goes on in the mean. If the hand does not open so far, it goes on by what the hand still spans.
+    """
+    half = 0.5 * hidden
+    spare, total = np.maximum(widest_m - pads.sum(axis=1), 0.0), half.sum(axis=1)
+    beyond = half * np.minimum(1.0, spare / np.where(total > 0, total, 1.0))[:, None]
+    return np.ascontiguousarray(pads + beyond), np.ascontiguousarray(np.maximum(room - beyond, 0.0))
 
 
 def swept_fit(

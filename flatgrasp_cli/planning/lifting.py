@@ -144,6 +144,7 @@ class _Lifted:
             tip_height_m=float(grasps.tip[k]) if over_support else None,
             grip_m=float(grasps.grip[k]) if over_support else None,
             unseen_m=float(grasps.unseen[k]) if over_support else None,
+            hidden_m=float(grasps.hidden[k].sum()) if len(grasps.hidden) else 0.0,
             success=_success(grasps, k),
             cage=None if proved is None else proved.cages[k],
             closure=None if proved is None else proved.closures[k],

@@ -140,7 +140,8 @@ def _looked_into(grasps: GraspCandidates, funnel: Funnel) -> GraspCandidates:
 
 def _margins(grasps: GraspCandidates, gripper: Gripper, settings: PlannerSettings) -> FloatArray:
     """Free space (MARGINS, p) beside each pad on the approach, metres: from what is aimed at down to the least."""
-    room = grasps.room.min(axis=1) - gripper.finger_thickness_m
-    most = np.minimum(np.minimum(room, settings.hand.preshape_m), 0.5 * (gripper.max_opening_m - grasps.width))
-    least = np.minimum(settings.hand.clearance_m, most)
+    room, beyond = grasps.room.min(axis=1) - gripper.finger_thickness_m, grasps.beyond
+    spare = 0.5 * (gripper.max_opening_m - grasps.width)
+    most = np.minimum(np.minimum(room, settings.hand.preshape_m + beyond), spare)
+    least = np.minimum(settings.hand.clearance_m + beyond, most)
     return np.asarray(most + np.linspace(0.0, 1.0, MARGINS)[:, None] * (least - most))

@@ -20,7 +20,7 @@ from flatgrasp_cli.planner import balance
 from flatgrasp_cli.planner.contacts import pad_contacts
 from flatgrasp_cli.planner.fingers import finger_candidates, inward_directions, step_points
 from flatgrasp_cli.planner.grasping_range import closing_axes, extents
-from flatgrasp_cli.planner.operability import eq2_fit, swept_fit
+from flatgrasp_cli.planner.operability import eq2_fit, operable, swept_fit
 from flatgrasp_cli.planner.variance import flat
 from flatgrasp_cli.profiles import Gripper, load_gripper, load_settings
 from flatgrasp_cli.surroundings.alone import openings
@@ -203,3 +203,33 @@ def test_a_boundary_that_strays_by_an_eighth_of_the_pads_width_is_not_flat(stray
     else:
         with pytest.raises(NothingLeft, match=r"allowed 0\.120"):
             flat(fingers, pairs, hand, funnel)
+
+
+class TestWhatGoesOnOutOfSight:
+    """A bar 20 mm wide and 100 mm long, whose upper side goes on out of sight by `hidden_mm` at most."""
+
+    BAR = Silhouette(
+        Frame(np.zeros(3), np.eye(3)),
+        (0.001 * np.array([[-50.0, -10.0], [50.0, -10.0], [50.0, 10.0], [-50.0, 10.0]]),),
+        np.zeros((4, 2)),
+        np.zeros(4),
+        0.003,
+        1.0,
+    )
+
+    def found(self, hidden_mm: float, **changes: float) -> GraspCandidates:
+        gripper = load_gripper("pr2").model_copy(update=changes)
+        fingers, pair = across([0.02])
+        fingers = replace(fingers, hidden=np.array([0.0, 0.001 * hidden_mm]))
+        return operable(self.BAR, fingers, pair, gripper, load_settings().resolve(gripper).hand, Funnel())
+
+    @pytest.mark.parametrize("hidden_mm", [0.0, 8.0, 30.0])
+    def test_the_pads_stand_where_it_ends_in_the_mean(self, hidden_mm: float) -> None:
+        found = self.found(hidden_mm)
+        assert found.pads[0] == pytest.approx([0.01, 0.01 + 0.0005 * hidden_mm], abs=1e-6)
+        assert found.beyond[0] == pytest.approx(0.0005 * hidden_mm)
+
+    def test_or_as_far_as_the_hand_still_opens(self) -> None:
+        found = self.found(30.0, max_opening_m=0.032)
+        assert found.width[0] == pytest.approx(0.032 - 2 * 0.002, abs=1e-6)
+        assert found.hidden[0] == pytest.approx([0.0, 0.03])

@@ -30,6 +30,13 @@ class TestHiddenSides:
         assert low < -radius - HAND.clearance_m
         assert high > radius
 
+    @pytest.mark.parametrize("radius", [0.02, 0.025])
+    def test_the_contact_is_where_the_flank_ends_in_the_mean(self, radius: float, pr2: Gripper) -> None:
+        grasp = seen(pr2, Tube((0.0, 0.0, radius), radius, 0.14, (1.0, 0.0, 0.0)), camera=KINECT)
+        assert grasp.hidden_m > 10 * MM
+        assert grasp.contacts[:, 1] == pytest.approx([-radius, radius], abs=3 * MM)
+        assert grasp.width_m == pytest.approx(2 * radius, abs=3 * MM)
+
     def test_the_same_with_coarser_pixels(self, pr2: Gripper) -> None:
         grasp = seen(pr2, Tube((0.0, 0.0, 0.033), 0.033, 0.12, (1.0, 0.0, 0.0)), camera=replace(ABOVE, tilt_deg=50))
         assert grasp.position[1] + grasp.opening_m / 2 > 0.033

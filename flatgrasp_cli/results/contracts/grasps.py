@@ -54,6 +54,9 @@ class MetricsPart(Part):
     """How much of the object's height the pads cover, metres; null for an object seen alone."""
     unseen_m: Number | None
     """How much of the fingers' way the sensor did not see, metres; null for an object seen alone."""
+    hidden_m: Number
+    """By how much at most the object goes on out of sight behind the pads, metres, both sides together; `width_m` and
+    the contacts take it for half of that."""
 
 
 class CausesPart(Part):

@@ -117,9 +117,11 @@ def _place(position: FloatArray) -> str:
 
 
 def _how_wide(plan: Plan, best: Grasp) -> str:
+    hidden_mm = MM * best.hidden_m
     return (
         f"it comes open {MM * best.opening_m:.1f} of {MM * plan.gripper.max_opening_m:.0f} mm, and closes to "
         f"{MM * best.width_m:.1f} mm, the object's width there"
+        + (f" if it goes on by half of the {hidden_mm:.0f} mm that it may out of sight" if hidden_mm >= 1 else "")
     )
 
 
