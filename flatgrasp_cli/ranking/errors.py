@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from statistics import NormalDist
 
 import numpy as np
@@ -18,7 +18,7 @@ TINY = 1e-9
 """Points of the unit cube come no nearer to its faces, where the normal distribution ends."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Errors:
     """All that is not known, s samples of it.
 
@@ -40,6 +40,11 @@ class Errors:
     def __len__(self) -> int:
         """Number of samples."""
         return len(self.yaw)
+
+    @cached_property
+    def misses(self) -> FloatArray:
+        """How far the hand misses across its closing axis and along it, and cosine and sine of its turn (s, 4)."""
+        return np.column_stack([self.across, self.along, np.cos(self.yaw), np.sin(self.yaw)])
 
 
 @lru_cache(maxsize=4)

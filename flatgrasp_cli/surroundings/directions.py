@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.extents import mean_of
 from flatgrasp_cli.model import ObjectCloud, OrientedBox
 from flatgrasp_cli.profiles.settings import ApproachSettings
 
@@ -29,7 +30,7 @@ def asked_of(cloud: ObjectCloud, settings: ApproachSettings) -> FloatArray | Non
     if isinstance(settings.directions, tuple):
         return -_unit(np.array(settings.directions))
     if settings.directions == "view" and cloud.viewpoint is not None:
-        return _unit(cloud.viewpoint - cloud.points.mean(axis=0))
+        return _unit(cloud.viewpoint - mean_of(cloud.points))
     return None
 
 
@@ -58,7 +59,7 @@ def _all_around(
     normal = cloud.support.normal
     first = [] if own is None else [Direction(own.frame.axes[2], "main_plane")]
     if cloud.viewpoint is not None:
-        first.append(Direction(_unit(cloud.viewpoint - cloud.points.mean(axis=0)), "view"))
+        first.append(Direction(_unit(cloud.viewpoint - mean_of(cloud.points)), "view"))
     yield from (each for each in first if SAME_DEG < tilt_deg(each.toward, normal) <= settings.max_tilt_deg)
     turns = 2 * np.pi * np.arange(settings.around) / settings.around
     for tilt in np.radians([each for each in settings.tilts_deg if each <= settings.max_tilt_deg]):

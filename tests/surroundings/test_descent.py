@@ -169,7 +169,7 @@ class TestUnderFingers:
 def test_the_palm_meets_what_lies_below_it_and_half_a_cell_beside(aside_m: float, met: bool) -> None:
     """A PR2's is 52 mm wide across the closing axis."""
     post = HeightMap.of(np.array([[aside_m, 0.0, 0.1], [0.2, 0.2, 0.0], [-0.2, -0.2, 0.0]]), 5 * MM)
-    highest = under_palm(across([0.04])[1], np.zeros((1, 1)), post, 0.05, PR2)
+    highest = under_palm(np.array([[0.0, 0.0, 0.0, 1.0]]), np.zeros((1, 1)), post, 0.05, PR2)
     assert np.isfinite(highest[0, 0]) == met
 
 
@@ -178,7 +178,7 @@ def test_the_roots_of_open_fingers_meet_what_the_palm_does_not(opening_mm: float
     """Of a hand with a palm 101 mm long, and fingers 37 mm thick at their roots: 80 mm open they reach 77 mm aside."""
     hand = PR2.model_copy(update={"palm_m": 0.101, "finger_root_m": 0.037})
     post = HeightMap.of(np.array([[0.0, 0.065, 0.1], [0.2, 0.2, 0.0], [-0.2, -0.2, 0.0]]), 5 * MM)
-    highest = under_palm(across([0.04])[1], np.array([[opening_mm * MM]]), post, 0.05, hand)
+    highest = under_palm(np.array([[0.0, 0.0, 0.0, 1.0]]), np.array([[opening_mm * MM]]), post, 0.05, hand)
     assert np.isfinite(highest[0, 0]) == met
 
 

@@ -10,8 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.extents import mean_of
 from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.kernels import view as kernels
+from flatgrasp_cli.kernels.projection import turned
 from flatgrasp_cli.scene.support_plane import SIGMAS
 
 LOST_DEG = 15.0
@@ -124,11 +126,10 @@ def image_of(points: FloatArray, viewpoint: FloatArray) -> tuple[FloatArray, Flo
 
     The line of sight goes to the middle of the points.
     """
-    sight = points.mean(axis=0) - viewpoint
+    sight = mean_of(points) - viewpoint
     sight /= max(float(np.linalg.norm(sight)), 1e-9)
     across = np.cross(np.eye(3)[int(np.argmin(np.abs(sight)))], sight)
     across /= np.linalg.norm(across)
-    local = np.stack([across, np.cross(sight, across), sight]) @ (points - viewpoint).T
-    ahead = np.maximum(local[2], LEAST_AHEAD * float(np.median(local[2])))
-    x, y = np.clip(local[:2] / ahead, -MOST_ASIDE, MOST_ASIDE)
-    return x, y, local[2]
+    x, y, depth = turned(points, viewpoint, np.stack([across, np.cross(sight, across), sight]))
+    ahead = np.maximum(depth, LEAST_AHEAD * float(np.median(depth)))
+    return np.clip(x / ahead, -MOST_ASIDE, MOST_ASIDE), np.clip(y / ahead, -MOST_ASIDE, MOST_ASIDE), depth
