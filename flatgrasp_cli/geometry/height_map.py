@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray, true_entries
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.raster import Raster
+from flatgrasp_cli.kernels import below
 
 UNSEEN = -np.inf
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class HeightMap:
     """Heights (rows, columns) over the cells of a `raster`; −inf where no point lies, as all along the rim."""
 
@@ -24,6 +26,16 @@ class HeightMap:
     def cell_m(self) -> float:
         """Side of the cells."""
         return self.raster.cell_m
+
+    @property
+    def grid(self) -> FloatArray:
+        """Where the cells begin, and their size (3,)."""
+        return np.append(self.raster.origin, self.cell_m)
+
+    @cached_property
+    def tops(self) -> FloatArray:
+        """The highest of each square of so many cells as a search passes over at once."""
+        return below.tops(self.heights)
 
     @classmethod
     def of(cls, points: FloatArray, cell_m: float) -> HeightMap:
@@ -42,7 +54,7 @@ class HeightMap:
     def raised(self, points: FloatArray) -> HeightMap:
         """The same cells with `points` (n, 3) added to what is there; those outside are left out."""
         heights = self.heights.copy()
-        np.maximum.at(heights.reshape(-1), self.raster.cells(points[:, 0], points[:, 1]), points[:, 2])
+        self.raster.raise_to(heights, *points.T)
         return replace(self, heights=self.raster.rimmed(heights, UNSEEN))
 
     def filled(self, other: HeightMap, frame: Frame, other_frame: Frame) -> HeightMap:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.extents import mean_of
 
 HYPOTHESES = 250
 
@@ -17,7 +18,7 @@ def consensus_plane(
     A point agrees if it lies within its `tolerance_m` (n,) of a plane through three random ones. All hypotheses are
     scored at once (Fischler & Bolles, Communications of the ACM 24(6), 1981); least squares fit those that agree.
     """
-    middle = points.mean(axis=0)  # single precision is about it, wherever the cloud lies
+    middle = mean_of(points)  # single precision is about it, wherever the cloud lies
     corners = points[rng.integers(len(points), size=(HYPOTHESES, 3))]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1)
@@ -35,7 +36,7 @@ def consensus_plane(
 
 def least_squares_plane(points: FloatArray) -> tuple[FloatArray, float]:
     """Unit normal (3,), of either sign, and offset of the plane with the least squared distances to `points` (n, 3)."""
-    mean = points.mean(axis=0)
+    mean = mean_of(points)
     centred = points - mean
     normal = np.linalg.eigh(centred.T @ centred)[1][:, 0]
     return normal, float(normal @ mean)

@@ -64,20 +64,14 @@ def following(loop: FloatArray) -> FloatArray:
 
 def arc_positions(loop: FloatArray) -> FloatArray:
     """Arc length (n + 1,) at each vertex, the last entry being the perimeter."""
-    x, y = (following(loop) - loop).T
-    arc = np.zeros(len(loop) + 1)
-    np.cumsum(np.hypot(x, y), out=arc[1:])
+    arc: FloatArray = outline.arc_lengths(loop)
     return arc
 
 
 def points_at(loop: FloatArray, positions: FloatArray) -> FloatArray:
     """Points (..., 2) of the loop at arc lengths `positions` (...), taken modulo the perimeter."""
-    arc = arc_positions(loop)
-    x, y = np.concatenate([loop, loop[:1]]).T
-    where = np.mod(positions, arc[-1])
-    points = np.empty((*np.shape(positions), 2))
-    points[..., 0], points[..., 1] = np.interp(where, arc, x), np.interp(where, arc, y)
-    return points
+    found: FloatArray = outline.places(loop, arc_positions(loop), np.ravel(positions))
+    return found.reshape(*np.shape(positions), 2)
 
 
 def area_centroid(loops: Sequence[FloatArray]) -> FloatArray:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.extents import mean_of
 from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.kernels.projection import projected
 
@@ -29,7 +30,7 @@ class RangeImage:
     @classmethod
     def of(cls, points: FloatArray, viewpoint: FloatArray, spacing_m: float) -> RangeImage:
         """The image of `points` (n, 3), n > 0, that lie `spacing_m` apart, from `viewpoint` (3,)."""
-        middle = points.mean(axis=0) - viewpoint
+        middle = mean_of(points) - viewpoint
         distance = max(float(np.linalg.norm(middle)), spacing_m)
         sight = middle / np.linalg.norm(middle) if middle.any() else np.array([0.0, 0.0, -1.0])
         x = np.cross(np.eye(3)[int(np.argmin(np.abs(sight)))], sight)
@@ -46,14 +47,14 @@ class RangeImage:
         low, high = np.array([x.min(), y.min()]), np.array([x.max(), y.max()])
         pixels = Raster.over(low, high, pitch)
         image = cls(viewpoint, axes, pixels, np.full(pixels.shape, np.inf))
-        np.minimum.at(image.ranges.reshape(-1), pixels.cells(x, y), ranges)
+        pixels.lower_to(image.ranges, x, y, ranges)
         return image
 
     def of_only(self, points: FloatArray) -> RangeImage:
         """The same pixels as they would be if there were only these `points` (n, 3)."""
         image = replace(self, ranges=np.full(self.pixels.shape, np.inf))
         x, y, ranges = self._projected(points.T)
-        np.minimum.at(image.ranges.reshape(-1), self.pixels.cells(x, y), ranges)
+        self.pixels.lower_to(image.ranges, x, y, ranges)
         self.pixels.rimmed(image.ranges, np.inf)
         return image
 

@@ -58,6 +58,14 @@ class Raster:
         """The `values` (rows, columns) at points x and y (…), those on the rim for points outside."""
         return looking_up.over(values, np.ravel(x), np.ravel(y), self.origin, self.cell_m).reshape(np.shape(x))
 
+    def raise_to(self, values: FloatArray, x: FloatArray, y: FloatArray, levels: FloatArray) -> None:
+        """Raise `values` (rows, columns) to the highest of the `levels` (n,) at points x and y (n,)."""
+        looking_up.raised(values, x, y, levels, self.origin, self.cell_m)
+
+    def lower_to(self, values: FloatArray, x: FloatArray, y: FloatArray, levels: FloatArray) -> None:
+        """Lower `values` (rows, columns) to the lowest of the `levels` (n,) at points x and y (n,)."""
+        looking_up.lowered(values, x, y, levels, self.origin, self.cell_m)
+
     def cells_within(self, x: FloatArray, y: FloatArray) -> IntArray:
         """The same for points (n,) none of which, or none that counts, lies outside: in half the time."""
         cell: IntArray = ((x - self.origin[0]) / self.cell_m).astype(np.intp)
@@ -86,6 +94,5 @@ class Raster:
 
     def rimmed(self, values: FloatArray, empty: float) -> FloatArray:
         """`values` (rows, columns), changed in place: `empty` all around."""
-        values[[0, -1]] = empty
-        values[:, [0, -1]] = empty
+        values[0], values[-1], values[:, 0], values[:, -1] = empty, empty, empty, empty
         return values

@@ -6,11 +6,12 @@ import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.extents import mean_of
 
 
 def longer_side(points: FloatArray) -> float:
     """Length of the longer side of the smallest rectangle around `points` (n, 2)."""
-    return float(max(cv2.minAreaRect((points - points.mean(axis=0)).astype(np.float32))[1]))
+    return float(max(cv2.minAreaRect((points - mean_of(points)).astype(np.float32))[1]))
 
 
 def minimum_area_axis(points: FloatArray) -> FloatArray:
@@ -19,7 +20,7 @@ def minimum_area_axis(points: FloatArray) -> FloatArray:
     One side of that rectangle lies on an edge of the convex hull (Freeman & Shapira, CACM 18(7), 1975), so all edges
     are tried at once.
     """
-    middle = points.mean(axis=0)  # OpenCV's single precision is enough close to it
+    middle = mean_of(points)  # OpenCV's single precision is enough close to it
     corners = cv2.convexHull((points - middle).astype(np.float32), returnPoints=False)
     hull = points[corners[:, 0]]
     edges = np.roll(hull, -1, axis=0) - hull

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
@@ -10,16 +12,18 @@ GOLDEN = 0.6180339887498949
 """The golden ratio's fraction: its multiples never fall into step with the rows of an image."""
 
 
+@lru_cache(maxsize=16)
 def spread_indices(count: int, size: int) -> IntArray:
     """Indices (min(size, count),) of an even sample of `count` things in any order: one from each of equal stretches.
 
     Where in its stretch each lies follows the golden ratio's multiples (a Weyl sequence). Every n-th would do for a
     shuffled cloud, but of an image whose rows are a multiple of n long it takes a few columns only.
     """
-    if count <= size:
-        return np.arange(count)
-    stretch = np.arange(size)
-    return np.asarray((stretch + (GOLDEN * stretch) % 1.0) * (count / size), dtype=np.intp)
+    stretch = np.arange(min(size, count))
+    if count > size:
+        stretch = ((stretch + (GOLDEN * stretch) % 1.0) * (count / size)).astype(np.intp)
+    stretch.flags.writeable = False  # the same is asked for again and again of a frame
+    return stretch
 
 
 def one_a_cell(points: FloatArray, cell_m: float) -> IntArray:

@@ -17,5 +17,5 @@ def spacing(points: FloatArray) -> float:
     """Distance within which 95 % of `points` (n, 2) have six neighbours, from an even sample of them."""
     sample = spread_indices(len(points), SPACING_SAMPLES)
     count = min(NEIGHBOURS + 1, len(points))  # a point is its own nearest neighbour
-    squares = squared_reach(points.astype(np.float32, order="C"), sample, count)
+    squares = squared_reach(points, sample, count)
     return float(np.sqrt(np.sort(squares)[round(SPACING_QUANTILE * (len(sample) - 1))]))

@@ -18,11 +18,9 @@ TILE = cython.declare(cython.Py_ssize_t, 8)
 
 @cython.cfunc
 @cython.inline
-def _cell(
-    place: cython.double, low: cython.double, cell_m: cython.double, count: cython.Py_ssize_t
-) -> cython.Py_ssize_t:
-    """The cell that holds a place, out of `count` from `low`."""
-    return cython.cast(cython.Py_ssize_t, min(max((place - low) / cell_m, 0.0), count - 1.0))
+def _bounded(cells: cython.double, count: cython.Py_ssize_t) -> cython.Py_ssize_t:
+    """The row or column that holds a place so many cells from the first; those outside are on the rim."""
+    return cython.cast(cython.Py_ssize_t, min(max(cells, 0.0), count - 1.0))
 
 
 def under_fingers(
@@ -45,7 +43,6 @@ def under_fingers(
     jaw: cython.Py_ssize_t
     step: cython.Py_ssize_t
     row: cython.Py_ssize_t
-    met: cython.double[::1] = np.empty(2)
     found = np.full((2, reach.shape[0], reach.shape[1]), 0.0)
     found[0] = -math.inf
     answer: cython.double[:, :, ::1] = found
@@ -59,7 +56,9 @@ def under_fingers(
             for step in range(last + 1):
                 out: cython.double = (step + 0.5) * grid[2] + hands[hand, 4]
                 heights: cython.double[:, ::1] = rest if step < at_contact else highest
-                _across(hands[hand], fingers, jaw, (2 * jaw - 1) * out, heights, grid, met)
+                met: tuple[cython.double, cython.double] = _across(
+                    hands, hand, fingers, jaw, (2 * jaw - 1) * out, heights, grid
+                )
                 most = max(most, met[0])
                 dark_m += grid[2] * met[1]
                 for row in range(reach.shape[0]):
@@ -70,30 +69,34 @@ def under_fingers(
 
 
 @cython.cfunc
+@cython.inline
 def _across(
-    hand: cython.double[::1],
+    hands: cython.double[:, ::1],
+    hand: cython.Py_ssize_t,
     fingers: cython.double[:, ::1],
     jaw: cython.Py_ssize_t,
     along: cython.double,
     heights: cython.double[:, ::1],
     grid: cython.double[::1],
-    met: cython.double[::1],
-) -> cython.void:
-    """Write what a jaw's fingers meet `along` the closing axis: the highest point, and the share that is dark."""
+) -> tuple[cython.double, cython.double]:
+    """What a jaw's fingers meet `along` the closing axis: the highest point, and the share that is dark."""
     place: cython.Py_ssize_t
     count: cython.double = 0.0
     dark: cython.double = 0.0
-    met[0] = UNSEEN
+    most: cython.double = UNSEEN
+    per_cell: cython.double = 1.0 / grid[2]
+    row: cython.double = (hands[hand, 0] + along * hands[hand, 2] - grid[0]) * per_cell
+    column: cython.double = (hands[hand, 1] + along * hands[hand, 3] - grid[1]) * per_cell
+    down: cython.double = -hands[hand, 3] * per_cell
+    right: cython.double = hands[hand, 2] * per_cell
     for place in range(fingers.shape[0]):
         if fingers[place, 0] == jaw:
-            x: cython.double = hand[0] + along * hand[2] - fingers[place, 1] * hand[3]
-            y: cython.double = hand[1] + along * hand[3] + fingers[place, 1] * hand[2]
-            row: cython.Py_ssize_t = _cell(x, grid[0], grid[2], heights.shape[0])
-            column: cython.Py_ssize_t = _cell(y, grid[1], grid[2], heights.shape[1])
-            met[0] = max(met[0], heights[row, column])
-            dark += heights[row, column] == UNSEEN
+            first: cython.Py_ssize_t = _bounded(row + fingers[place, 1] * down, heights.shape[0])
+            height: cython.double = heights[first, _bounded(column + fingers[place, 1] * right, heights.shape[1])]
+            most = max(most, height)
+            dark += height == UNSEEN
             count += 1.0
-    met[1] = dark / max(count, 1.0)
+    return most, dark / max(count, 1.0)
 
 
 def under_tips(
@@ -111,7 +114,6 @@ def under_tips(
     jaw: cython.Py_ssize_t
     step: cython.Py_ssize_t
     place: cython.Py_ssize_t
-    met: cython.double[::1] = np.empty(2)
     share: cython.double[::1] = np.zeros(2)  # of all places, those of each jaw
     for place in range(fingers.shape[0]):
         share[1 if fingers[place, 0] == 1 else 0] += 1.0 / (fingers.shape[0] * out.shape[0])
@@ -123,17 +125,30 @@ def under_tips(
         for jaw in range(2):
             for step in range(out.shape[0]):
                 along: cython.double = (2 * jaw - 1) * (hands[hand, 4] + out[step])
-                _across(hands[hand], fingers, jaw, along, heights, grid, met)
+                met: tuple[cython.double, cython.double] = _across(hands, hand, fingers, jaw, along, heights, grid)
                 most = max(most, met[0])
                 dark += share[jaw] * met[1]
-        answer[0, hand] = most
-        answer[1, hand] = dark
+        answer[0, hand], answer[1, hand] = most, dark
+    return found
+
+
+def tops(heights: cython.double[:, ::1]) -> NDArray[np.float64]:
+    """The highest of each square of TILE × TILE cells of a map."""
+    row: cython.Py_ssize_t
+    column: cython.Py_ssize_t
+    shape = (heights.shape[0] + TILE - 1) // TILE, (heights.shape[1] + TILE - 1) // TILE
+    found = np.full(shape, -math.inf)
+    top: cython.double[:, ::1] = found
+    for row in range(heights.shape[0]):
+        for column in range(heights.shape[1]):
+            top[row // TILE, column // TILE] = max(top[row // TILE, column // TILE], heights[row, column])
     return found
 
 
 def under_palm(
     hands: cython.double[:, ::1],
     heights: cython.double[:, ::1],
+    tops: cython.double[:, ::1],
     grid: cython.double[::1],
     least: cython.double,
     across: cython.double,
@@ -141,23 +156,23 @@ def under_palm(
 ) -> NDArray[np.float64]:
     """Highest point (m, p) below palms that reach `across` and `along` (m, p) the closing axis to each side, metres.
 
-    A hand (p, 4) is its centre and its closing axis. Only cells that are higher than `least` count, by their middles;
-    −∞ if there is none below a palm.
+    A hand (p, 4 or more) is its centre and its closing axis. Only cells that are higher than `least` count, by their
+    middles; −∞ if there is none below a palm. The map's `tops` tell which squares have any.
     """
     hand: cython.Py_ssize_t
     row: cython.Py_ssize_t
     index: cython.Py_ssize_t
-    tiles: cython.double[:, ::1] = _tiles(heights, grid, least)
+    tiles: cython.Py_ssize_t[:, ::1] = _tiles(hands, tops, grid, least, across, along)
     radius: cython.double = TILE * grid[2]  # of a circle around a tile, and some more
     found = np.full((along.shape[0], along.shape[1]), -math.inf)
     answer: cython.double[:, ::1] = found
-    for hand in range(hands.shape[0]):
+    for hand in range(hands.shape[0] if tiles.shape[0] > 0 else 0):
         longest: cython.double = 0.0
         for row in range(along.shape[0]):
             longest = max(longest, along[row, hand])
         for index in range(tiles.shape[0]):
-            dx: cython.double = tiles[index, 0] - hands[hand, 0]
-            dy: cython.double = tiles[index, 1] - hands[hand, 1]
+            dx: cython.double = grid[0] + grid[2] * TILE * (tiles[index, 0] + 0.5) - hands[hand, 0]
+            dy: cython.double = grid[1] + grid[2] * TILE * (tiles[index, 1] + 0.5) - hands[hand, 1]
             if abs(dy * hands[hand, 2] - dx * hands[hand, 3]) > across + radius:
                 continue
             if abs(dx * hands[hand, 2] + dy * hands[hand, 3]) > longest + radius:
@@ -165,43 +180,51 @@ def under_palm(
             lowest: cython.double = math.inf
             for row in range(along.shape[0]):
                 lowest = min(lowest, answer[row, hand])
-            if tiles[index, 4] > lowest:
-                _in_tile(hands, hand, heights, grid, tiles[index], least, across, along, answer)
+            if tops[tiles[index, 0], tiles[index, 1]] > lowest:
+                _in_tile(hands, hand, heights, grid, tiles, index, least, across, along, answer)
     return found
 
 
 @cython.cfunc
-def _tiles(heights: cython.double[:, ::1], grid: cython.double[::1], least: cython.double) -> cython.double[:, ::1]:
-    """Squares of cells in which one is higher than `least`: their middles, first cells and greatest heights (k, 5)."""
+def _tiles(
+    hands: cython.double[:, ::1],
+    tops: cython.double[:, ::1],
+    grid: cython.double[::1],
+    least: cython.double,
+    across: cython.double,
+    along: cython.double[:, ::1],
+) -> cython.Py_ssize_t[:, ::1]:
+    """Rows and columns (k, 2) of the squares that are higher than `least`, and in the box around all palms."""
     row: cython.Py_ssize_t
     column: cython.Py_ssize_t
-    tile: cython.Py_ssize_t
-    down: cython.Py_ssize_t = (heights.shape[0] + TILE - 1) // TILE
-    right: cython.Py_ssize_t = (heights.shape[1] + TILE - 1) // TILE
-    top: cython.double[::1] = np.full(down * right, -math.inf)
-    for row in range(heights.shape[0]):
-        for column in range(heights.shape[1]):
-            tile = (row // TILE) * right + column // TILE
-            top[tile] = max(top[tile], heights[row, column])
-    tiles: cython.double[:, ::1] = np.empty((down * right, 5))
+    hand: cython.Py_ssize_t
     found: cython.Py_ssize_t = 0
-    for tile in range(down * right):
-        if top[tile] > least:
-            row, column = TILE * (tile // right), TILE * (tile % right)
-            tiles[found, 0] = grid[0] + grid[2] * (row + 0.5 * TILE)
-            tiles[found, 1] = grid[1] + grid[2] * (column + 0.5 * TILE)
-            tiles[found, 2], tiles[found, 3], tiles[found, 4] = row, column, top[tile]
-            found += 1
+    tiles: cython.Py_ssize_t[:, ::1] = np.empty((tops.shape[0] * tops.shape[1], 2), dtype=np.intp)
+    box: cython.double[::1] = np.array([math.inf, -math.inf, math.inf, -math.inf])
+    for hand in range(hands.shape[0]):
+        for row in range(along.shape[0]):
+            reach: cython.double = across + along[row, hand] + TILE * grid[2]
+            box[0], box[1] = min(box[0], hands[hand, 0] - reach), max(box[1], hands[hand, 0] + reach)
+            box[2], box[3] = min(box[2], hands[hand, 1] - reach), max(box[3], hands[hand, 1] + reach)
+    for row in range(tops.shape[0]):
+        x: cython.double = grid[0] + grid[2] * TILE * (row + 0.5)
+        for column in range(tops.shape[1] if box[0] < x < box[1] else 0):
+            y: cython.double = grid[1] + grid[2] * TILE * (column + 0.5)
+            if tops[row, column] > least and box[2] < y < box[3]:
+                tiles[found, 0], tiles[found, 1] = row, column
+                found += 1
     return tiles[:found]
 
 
 @cython.cfunc
+@cython.inline
 def _in_tile(
     hands: cython.double[:, ::1],
     hand: cython.Py_ssize_t,
     heights: cython.double[:, ::1],
     grid: cython.double[::1],
-    tile: cython.double[::1],
+    tiles: cython.Py_ssize_t[:, ::1],
+    tile: cython.Py_ssize_t,
     least: cython.double,
     across: cython.double,
     along: cython.double[:, ::1],
@@ -211,8 +234,8 @@ def _in_tile(
     row: cython.Py_ssize_t
     column: cython.Py_ssize_t
     opening: cython.Py_ssize_t
-    first_row: cython.Py_ssize_t = cython.cast(cython.Py_ssize_t, tile[2])
-    first_column: cython.Py_ssize_t = cython.cast(cython.Py_ssize_t, tile[3])
+    first_row: cython.Py_ssize_t = TILE * tiles[tile, 0]
+    first_column: cython.Py_ssize_t = TILE * tiles[tile, 1]
     for row in range(first_row, min(first_row + TILE, heights.shape[0])):
         dx: cython.double = grid[0] + grid[2] * (row + 0.5) - hands[hand, 0]
         for column in range(first_column, min(first_column + TILE, heights.shape[1])):

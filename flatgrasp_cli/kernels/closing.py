@@ -1,4 +1,4 @@
-"""What a jaw comes to that closes in the plane: for the probability that a grasp holds."""
+"""What jaws come to that close in the plane: for the probability that a grasp holds."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 
 import cython
 import numpy as np
+from cython.cimports.libc.math import sqrt
 from numpy.typing import NDArray
 
 INFINITY = cython.declare(cython.double, math.inf)
@@ -15,117 +16,177 @@ SHORTEST_M = cython.declare(cython.double, 1e-6)
 """The least breadth that a slope is taken over, metres."""
 
 
-def touched(
-    points: cython.double[:, ::1],
-    edges: cython.Py_ssize_t[::1],
-    hands: cython.double[:, ::1],
+def closed(
+    starts: cython.double[:, ::1],
+    ends: cython.double[:, ::1],
+    hands: cython.double[:, :, ::1],
     fingers: cython.double[:, ::1],
     tip: cython.double[::1],
     tolerance: cython.double,
 ) -> NDArray[np.float64]:
-    """What the two jaws of p hands come to that close on a silhouette: rows free, reach, slope of each (2, 3, p).
+    """What k grasps' hands come to that close on a silhouette: rows free, room, between, wedge (4, k, s).
 
-    Edges of the silhouette lead from the `points` (n, 2) that `edges` (e,) name to the next ones. A hand (p, 5) is its
-    centre, its closing axis and half its opening. Each of the `fingers` (f, 2) is of jaw 0 or 1 and has its offset
-    across the closing axis. Its `tip` is (4,): half its width; half the width of its core; and how far its core is from
-    the pad's face, its near and its far end. Points within `tolerance` of the outermost are touched alike.
+    The silhouette's edges lead from `starts` to `ends` (e, 2). Of `hands` (k, s, 5), s of each grasp that stand near
+    each other, are known the centre, the closing axis and half the opening. Each of the `fingers` (f, 2) is of jaw 0 or
+    1 and has its offset across the closing axis. Its `tip` is (5,): half its width; half the width of its core; how far
+    its core is from the pad's face, its near and its far end; and how far the widest jaw reaches across. Points within
+    `tolerance` of the outermost are touched alike.
 
-    `free` is 1 where the open fingers stand beside the object, otherwise 0. The pads come to rest at `reach`, −∞ if
-    nothing stops them. If they touch the object only with an edge, `slope` is how steep its side is there.
+    `free` is 1 where the open fingers stand beside the object, with `room` between the nearer pad and it; `between` is
+    1 where it is between the pads. Where these touch it only with an edge its sides make a wedge, of half of whose
+    angle `wedge` is the tangent.
     """
+    grasp: cython.Py_ssize_t
     hand: cython.Py_ssize_t
     jaw: cython.Py_ssize_t
-    place: cython.Py_ssize_t
-    found: cython.Py_ssize_t
-    met: cython.Py_ssize_t
-    free: cython.bint
-    result = np.empty((2, 3, hands.shape[0]))
+    result = np.empty((4, hands.shape[0], hands.shape[1]))
     answer: cython.double[:, :, ::1] = result
-    seen: cython.double[:, ::1] = np.empty((edges.shape[0], 4))
+    mean: cython.double[:, ::1] = np.asarray(hands).mean(axis=1)
+    near: cython.double[:, ::1] = np.empty((starts.shape[0], 4))
+    seen: cython.double[:, ::1] = np.empty((starts.shape[0], 4))
     # one row for each edge below a pad: its ends' x, y; and the pad's middle
-    pads: cython.double[:, ::1] = np.empty((edges.shape[0] * fingers.shape[0], 5))
-    widest: cython.double = tip[0]
-    for place in range(fingers.shape[0]):
-        widest = max(widest, abs(fingers[place, 1]) + tip[0])
-    for hand in range(hands.shape[0]):
-        met = _seen(points, edges, hands[hand], widest, seen)
-        for jaw in range(2):
-            free, found = True, 0
-            for place in range(fingers.shape[0]):
-                if fingers[place, 0] == jaw:
-                    found = _finger(seen[:met], 2 * jaw - 1, fingers[place, 1], tip, hands[hand, 4], pads, found)
-                    if found < 0:  # it comes down on the object
-                        free, found = False, -1 - found
-            answer[jaw, 0, hand] = 1.0 if free else 0.0
-            answer[jaw, 1, hand] = _reach(pads, found)
-            answer[jaw, 2, hand] = _slope(pads, found, answer[jaw, 1, hand], tip[0], tolerance)
+    pads: cython.double[:, ::1] = np.empty((starts.shape[0] * fingers.shape[0], 5))
+    met: cython.double[:, ::1] = np.empty((2, 3))
+    for grasp in range(hands.shape[0]):
+        close: cython.Py_ssize_t = _near(starts, ends, hands, mean, grasp, tip[4], near)
+        for hand in range(hands.shape[1]):
+            count: cython.Py_ssize_t = _seen(near, close, hands, grasp, hand, tip[4], seen)
+            for jaw in range(2):
+                _jaw(seen, count, jaw, fingers, tip, hands[grasp, hand, 4], tolerance, pads, met)
+            width: cython.double = met[0, 1] + met[1, 1]
+            bend: cython.double = met[0, 2] * met[1, 2]
+            long: cython.double = sqrt((1 + met[0, 2] * met[0, 2]) * (1 + met[1, 2] * met[1, 2]))
+            answer[0, grasp, hand] = met[0, 0] * met[1, 0]
+            answer[1, grasp, hand] = hands[grasp, hand, 4] + tip[2] - max(met[0, 1], met[1, 1])
+            answer[2, grasp, hand] = 1.0 if width > 0 else 0.0
+            answer[3, grasp, hand] = abs(met[0, 2] + met[1, 2]) / (long + 1 - bend)
     return result
 
 
 @cython.cfunc
-def _seen(
-    points: cython.double[:, ::1],
-    edges: cython.Py_ssize_t[::1],
-    hand: cython.double[::1],
+def _near(
+    starts: cython.double[:, ::1],
+    ends: cython.double[:, ::1],
+    hands: cython.double[:, :, ::1],
+    mean: cython.double[:, ::1],
+    grasp: cython.Py_ssize_t,
     reach: cython.double,
-    seen: cython.double[:, ::1],
+    near: cython.double[:, ::1],
 ) -> cython.Py_ssize_t:
-    """Write the edges that pass within `reach` of the closing axis into `seen`, their ends' x across it and y along it.
+    """Write the edges that may pass within `reach` of the closing axis of any of a grasp's hands; returns how many.
 
-    Returns how many there are.
+    Seen from their `mean`, hands are aside by no more than their centres are and what their turns make of the distance.
     """
-    index: cython.Py_ssize_t
-    row: cython.Py_ssize_t
+    hand: cython.Py_ssize_t
+    edge: cython.Py_ssize_t
     found: cython.Py_ssize_t = 0
-    last: cython.Py_ssize_t = -1
-    cx: cython.double = hand[0]
-    cy: cython.double = hand[1]
-    ux: cython.double = hand[2]
-    uy: cython.double = hand[3]
-    bx: cython.double = 0.0
-    for index in range(edges.shape[0]):
-        row = edges[index]
-        ax: cython.double = bx
-        if row != last:
-            ax = (points[row, 1] - cy) * ux - (points[row, 0] - cx) * uy
-        bx = (points[row + 1, 1] - cy) * ux - (points[row + 1, 0] - cx) * uy
-        last = row + 1
-        if (ax < reach or bx < reach) and (ax > -reach or bx > -reach):
-            seen[found, 0] = ax
-            seen[found, 1] = (points[row, 0] - cx) * ux + (points[row, 1] - cy) * uy
-            seen[found, 2] = bx
-            seen[found, 3] = (points[row + 1, 0] - cx) * ux + (points[row + 1, 1] - cy) * uy
+    aside: cython.double = SHORTEST_M  # and rounding
+    turned: cython.double = 0.0
+    for hand in range(hands.shape[1]):
+        aside = max(aside, abs(hands[grasp, hand, 0] - mean[grasp, 0]) + abs(hands[grasp, hand, 1] - mean[grasp, 1]))
+        turned = max(turned, abs(hands[grasp, hand, 2] - mean[grasp, 2]) + abs(hands[grasp, hand, 3] - mean[grasp, 3]))
+    for edge in range(starts.shape[0]):
+        ax: cython.double = starts[edge, 0] - mean[grasp, 0]
+        ay: cython.double = starts[edge, 1] - mean[grasp, 1]
+        bx: cython.double = ends[edge, 0] - mean[grasp, 0]
+        by: cython.double = ends[edge, 1] - mean[grasp, 1]
+        away: cython.double = max(abs(ax) + abs(ay), abs(bx) + abs(by)) + aside
+        limit: cython.double = reach + 2 * aside + turned * away
+        from_x: cython.double = ay * mean[grasp, 2] - ax * mean[grasp, 3]
+        to_x: cython.double = by * mean[grasp, 2] - bx * mean[grasp, 3]
+        if (from_x < limit or to_x < limit) and (from_x > -limit or to_x > -limit):
+            near[found, 0], near[found, 1] = starts[edge, 0], starts[edge, 1]
+            near[found, 2], near[found, 3] = ends[edge, 0], ends[edge, 1]
             found += 1
     return found
 
 
 @cython.cfunc
+@cython.inline
+def _seen(
+    near: cython.double[:, ::1],
+    count: cython.Py_ssize_t,
+    hands: cython.double[:, :, ::1],
+    grasp: cython.Py_ssize_t,
+    hand: cython.Py_ssize_t,
+    reach: cython.double,
+    seen: cython.double[:, ::1],
+) -> cython.Py_ssize_t:
+    """Write the ends of edges that are `near`, x across the closing axis and y along it; how many are in `reach`."""
+    edge: cython.Py_ssize_t
+    found: cython.Py_ssize_t = 0
+    for edge in range(count):
+        from_x: cython.double = near[edge, 0] - hands[grasp, hand, 0]
+        from_y: cython.double = near[edge, 1] - hands[grasp, hand, 1]
+        to_x: cython.double = near[edge, 2] - hands[grasp, hand, 0]
+        to_y: cython.double = near[edge, 3] - hands[grasp, hand, 1]
+        ax: cython.double = from_y * hands[grasp, hand, 2] - from_x * hands[grasp, hand, 3]
+        bx: cython.double = to_y * hands[grasp, hand, 2] - to_x * hands[grasp, hand, 3]
+        if (ax < reach or bx < reach) and (ax > -reach or bx > -reach):
+            seen[found, 0], seen[found, 1] = ax, from_x * hands[grasp, hand, 2] + from_y * hands[grasp, hand, 3]
+            seen[found, 2], seen[found, 3] = bx, to_x * hands[grasp, hand, 2] + to_y * hands[grasp, hand, 3]
+            found += 1
+    return found
+
+
+@cython.cfunc
+@cython.inline
+def _jaw(
+    seen: cython.double[:, ::1],
+    count: cython.Py_ssize_t,
+    jaw: cython.Py_ssize_t,
+    fingers: cython.double[:, ::1],
+    tip: cython.double[::1],
+    face: cython.double,
+    tolerance: cython.double,
+    pads: cython.double[:, ::1],
+    met: cython.double[:, ::1],
+) -> cython.void:
+    """Write what a jaw has `met` (2, 3): whether it is free; how far out it reaches, −∞ if nothing stops it; the slope.
+
+    The first `count` edges are `seen`, and the pads' `face` is so far out along the closing axis, to the jaw's side.
+    """
+    place: cython.Py_ssize_t
+    found: cython.Py_ssize_t = 0
+    met[jaw, 0], met[jaw, 1] = 1.0, -INFINITY
+    for place in range(fingers.shape[0]):
+        if fingers[place, 0] == jaw:
+            found = _finger(seen, count, jaw, fingers[place, 1], tip, face, tolerance, pads, found, met)
+    met[jaw, 2] = _slope(pads, found, met[jaw, 1], tip[0], tolerance)
+
+
+@cython.cfunc
+@cython.inline
 def _finger(
     seen: cython.double[:, ::1],
-    side: cython.double,
+    count: cython.Py_ssize_t,
+    jaw: cython.Py_ssize_t,
     offset: cython.double,
     tip: cython.double[::1],
     face: cython.double,
+    tolerance: cython.double,
     pads: cython.double[:, ::1],
     found: cython.Py_ssize_t,
+    met: cython.double[:, ::1],
 ) -> cython.Py_ssize_t:
-    """Write the parts of edges below the pad of the finger at `offset` into `pads`, from row `found` on.
+    """Write parts of edges below the pad of the finger at `offset` into `pads`, from row `found` on, and their reach.
 
-    The jaw is on the `side` −1 or +1 along the closing axis, and y is out to it. Returns the row behind the last one,
-    or −1 less that if the finger comes down on the object.
+    The jaw is not free if it comes down on the object. Returns the row behind the last one.
     """
     index: cython.Py_ssize_t
-    free: cython.bint = True
     inside: cython.bint = False
+    side: cython.double = 2 * jaw - 1
     near: cython.double = face + tip[2]
     far: cython.double = face + tip[3]
-    for index in range(seen.shape[0]):
+    for index in range(count):
         ax: cython.double = seen[index, 0]
         bx: cython.double = seen[index, 2]
         if (ax >= offset + tip[0] and bx >= offset + tip[0]) or (ax <= offset - tip[0] and bx <= offset - tip[0]):
             continue
         ay: cython.double = side * seen[index, 1]
         by: cython.double = side * seen[index, 3]
+        if max(ay, by) < met[jaw, 1] - tolerance - ON_EDGE_M:  # farther in than what is touched
+            continue
         slope: cython.double = (by - ay) / (bx - ax if bx != ax else 1.0)
         if (ax > offset) != (bx > offset) and ay + (offset - ax) * slope > 0.5 * (near + far):
             inside = not inside
@@ -133,15 +194,18 @@ def _finger(
             from_y: cython.double = ay + slope * (_clipped(ax, offset, tip[1]) - ax)
             to_y: cython.double = by + slope * (_clipped(bx, offset, tip[1]) - bx)
             if max(from_y, to_y) > near and min(from_y, to_y) < far:
-                free = False
+                met[jaw, 0] = 0.0
         pads[found, 0] = _clipped(ax, offset, tip[0])
         pads[found, 1] = ay + slope * (pads[found, 0] - ax)
         pads[found, 2] = _clipped(bx, offset, tip[0])
         pads[found, 3] = by + slope * (pads[found, 2] - bx)
         pads[found, 4] = offset
         if max(pads[found, 1], pads[found, 3]) <= near:
+            met[jaw, 1] = max(met[jaw, 1], max(pads[found, 1], pads[found, 3]))
             found += 1
-    return found if free and not inside else -1 - found
+    if inside:
+        met[jaw, 0] = 0.0
+    return found
 
 
 @cython.cfunc
@@ -152,16 +216,7 @@ def _clipped(x: cython.double, middle: cython.double, half: cython.double) -> cy
 
 
 @cython.cfunc
-def _reach(pads: cython.double[:, ::1], found: cython.Py_ssize_t) -> cython.double:
-    """How far out the first `found` parts of edges reach."""
-    index: cython.Py_ssize_t
-    reach: cython.double = -INFINITY
-    for index in range(found):
-        reach = max(reach, max(pads[index, 1], pads[index, 3]))
-    return reach
-
-
-@cython.cfunc
+@cython.inline
 def _slope(
     pads: cython.double[:, ::1],
     found: cython.Py_ssize_t,
@@ -179,10 +234,10 @@ def _slope(
     at_left: cython.double = 0.0
     at_right: cython.double = 0.0
     for index in range(found):
-        rise: cython.double = pads[index, 3] - pads[index, 1]
-        run: cython.double = (pads[index, 2] - pads[index, 0]) / (rise if rise != 0 else 1.0)
         if max(pads[index, 1], pads[index, 3]) < level:
             continue
+        rise: cython.double = pads[index, 3] - pads[index, 1]
+        run: cython.double = (pads[index, 2] - pads[index, 0]) / (rise if rise != 0 else 1.0)
         for end in range(1, 5, 2):
             y: cython.double = max(pads[index, end], level)
             x: cython.double = pads[index, 0] + run * (y - pads[index, 1])

@@ -49,3 +49,35 @@ def over(
         row: cython.Py_ssize_t = _bounded(x[place], origin[0], cell_m, values.shape[0])
         answer[place] = values[row, _bounded(y[place], origin[1], cell_m, values.shape[1])]
     return found
+
+
+def raised(
+    values: cython.double[:, ::1],
+    x: cython.const[cython.double][:],  # type: ignore[valid-type]
+    y: cython.const[cython.double][:],  # type: ignore[valid-type]
+    levels: cython.const[cython.double][:],  # type: ignore[valid-type]
+    origin: cython.double[::1],
+    cell_m: cython.double,
+) -> None:
+    """Raise the `values` (rows, columns) of a raster to the highest of the `levels` (n,) at places x and y (n,)."""
+    place: cython.Py_ssize_t
+    for place in range(x.shape[0]):
+        row: cython.Py_ssize_t = _bounded(x[place], origin[0], cell_m, values.shape[0])
+        column: cython.Py_ssize_t = _bounded(y[place], origin[1], cell_m, values.shape[1])
+        values[row, column] = max(values[row, column], levels[place])
+
+
+def lowered(
+    values: cython.double[:, ::1],
+    x: cython.const[cython.double][:],  # type: ignore[valid-type]
+    y: cython.const[cython.double][:],  # type: ignore[valid-type]
+    levels: cython.const[cython.double][:],  # type: ignore[valid-type]
+    origin: cython.double[::1],
+    cell_m: cython.double,
+) -> None:
+    """Lower the `values` (rows, columns) of a raster to the lowest of the `levels` (n,) at places x and y (n,)."""
+    place: cython.Py_ssize_t
+    for place in range(x.shape[0]):
+        row: cython.Py_ssize_t = _bounded(x[place], origin[0], cell_m, values.shape[0])
+        column: cython.Py_ssize_t = _bounded(y[place], origin[1], cell_m, values.shape[1])
+        values[row, column] = min(values[row, column], levels[place])

@@ -15,11 +15,13 @@ POINTS_PER_CELL = cython.declare(cython.double, 3.0)
 
 
 def squared_reach(
-    points: cython.float[:, ::1], chosen: cython.Py_ssize_t[::1], count: cython.Py_ssize_t
+    points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
+    chosen: cython.const[cython.Py_ssize_t][::1],  # type: ignore[valid-type]
+    count: cython.Py_ssize_t,
 ) -> NDArray[np.float32]:
     """Square (m,) of how far from each of the `chosen` (m,) `points` (n, 2) the farthest of its nearest `count` lies.
 
-    The point itself is one of them.
+    The point itself is one of them. Single precision is enough.
     """
     index: cython.Py_ssize_t
     row: cython.Py_ssize_t
@@ -37,8 +39,8 @@ def squared_reach(
     for index in range(chosen.shape[0]):
         x: cython.float = points[chosen[index], 0]
         y: cython.float = points[chosen[index], 1]
-        row = cython.cast(cython.Py_ssize_t, (x - grid[0]) / grid[2])
-        column = cython.cast(cython.Py_ssize_t, (y - grid[1]) / grid[2])
+        row = _step(x, grid[0], grid[5])
+        column = _step(y, grid[1], grid[5])
         for ring in range(count):
             nearest[ring] = INFINITY
         for ring in range(max(rows, columns)):
@@ -50,29 +52,41 @@ def squared_reach(
 
 
 @cython.cfunc
-def _grid(points: cython.float[:, ::1]) -> cython.double[::1]:
-    """A grid over the points: where it begins, the size of its cells, and how many rows and columns there are (5,)."""
+@cython.inline
+def _step(place: cython.float, low: cython.double, per_cell: cython.double) -> cython.Py_ssize_t:
+    """The row or column that holds a place."""
+    return cython.cast(cython.Py_ssize_t, (place - low) * per_cell)
+
+
+@cython.cfunc
+def _grid(points: cython.const[cython.double][:, :]) -> cython.double[::1]:  # type: ignore[valid-type]
+    """A grid over the points (6,): its origin, the size of cells, how many rows and columns, and the size's inverse."""
     point: cython.Py_ssize_t
     count: cython.double = points.shape[0]
-    grid: cython.double[::1] = np.array([INFINITY, INFINITY, 0.0, 1.0, 1.0])
-    high_x: cython.double = -INFINITY
-    high_y: cython.double = -INFINITY
+    low_x: cython.float = INFINITY
+    low_y: cython.float = INFINITY
+    high_x: cython.float = -INFINITY
+    high_y: cython.float = -INFINITY
     for point in range(points.shape[0]):
-        grid[0], high_x = min(grid[0], points[point, 0]), max(high_x, points[point, 0])
-        grid[1], high_y = min(grid[1], points[point, 1]), max(high_y, points[point, 1])
-    wide: cython.double = high_x - grid[0]
-    long: cython.double = high_y - grid[1]
+        x: cython.float = points[point, 0]
+        y: cython.float = points[point, 1]
+        low_x, high_x = min(low_x, x), max(high_x, x)
+        low_y, high_y = min(low_y, y), max(high_y, y)
+    grid: cython.double[::1] = np.array([low_x, low_y, 0.0, 1.0, 1.0, 1.0])
+    wide: cython.double = cython.cast(cython.double, high_x) - grid[0]
+    long: cython.double = cython.cast(cython.double, high_y) - grid[1]
     grid[2] = max(sqrt(POINTS_PER_CELL * wide * long / count), max(wide, long) / count)
     if grid[2] <= 0:
         grid[2] = 1.0
-    grid[3] = 1.0 + cython.cast(cython.Py_ssize_t, wide / grid[2])
-    grid[4] = 1.0 + cython.cast(cython.Py_ssize_t, long / grid[2])
+    grid[5] = 1.0 / grid[2]
+    grid[3] = 1.0 + _step(high_x, grid[0], grid[5])
+    grid[4] = 1.0 + _step(high_y, grid[1], grid[5])
     return grid
 
 
 @cython.cfunc
 def _sort(
-    points: cython.float[:, ::1],
+    points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
     grid: cython.double[::1],
     begin: cython.Py_ssize_t[::1],
     places: cython.float[:, ::1],
@@ -83,8 +97,7 @@ def _sort(
     cells: cython.Py_ssize_t[::1] = np.empty(points.shape[0], dtype=np.intp)
     columns: cython.Py_ssize_t = cython.cast(cython.Py_ssize_t, grid[4])
     for point in range(points.shape[0]):
-        cell = columns * cython.cast(cython.Py_ssize_t, (points[point, 0] - grid[0]) / grid[2])
-        cell += cython.cast(cython.Py_ssize_t, (points[point, 1] - grid[1]) / grid[2])
+        cell = columns * _step(points[point, 0], grid[0], grid[5]) + _step(points[point, 1], grid[1], grid[5])
         cells[point] = cell
         begin[cell + 1] += 1
     for cell in range(begin.shape[0] - 1):
@@ -99,6 +112,7 @@ def _sort(
 
 
 @cython.cfunc
+@cython.inline
 def _around(
     places: cython.float[:, ::1],
     begin: cython.Py_ssize_t[::1],

@@ -29,6 +29,7 @@ def contains(
 
 
 @cython.cfunc
+@cython.inline
 def _inside(
     starts: cython.double[:, ::1], ends: cython.double[:, ::1], x: cython.double, y: cython.double
 ) -> cython.bint:
@@ -76,6 +77,42 @@ def shares_inside(
                 if 0 < t < 1:
                     total += copysign(t, leaves)
         share[segment] = min(max(total, 0.0), 1.0)
+    return found
+
+
+def arc_lengths(loop: cython.const[cython.double][:, :]) -> NDArray[np.float64]:  # type: ignore[valid-type]
+    """Arc length (n + 1,) at each vertex, the last entry being the perimeter."""
+    vertex: cython.Py_ssize_t
+    found = np.zeros(loop.shape[0] + 1)
+    arc: cython.double[::1] = found
+    for vertex in range(loop.shape[0]):
+        after: cython.Py_ssize_t = vertex + 1 if vertex + 1 < loop.shape[0] else 0
+        arc[vertex + 1] = arc[vertex] + hypot(loop[after, 0] - loop[vertex, 0], loop[after, 1] - loop[vertex, 1])
+    return found
+
+
+def places(
+    loop: cython.const[cython.double][:, :],  # type: ignore[valid-type]
+    arc: cython.double[::1],
+    positions: cython.const[cython.double][::1],  # type: ignore[valid-type]
+) -> NDArray[np.float64]:
+    """Points (m, 2) of the loop at arc lengths `positions` (m,), modulo the perimeter; its vertices are at `arc`."""
+    index: cython.Py_ssize_t
+    edge: cython.Py_ssize_t = 0
+    count: cython.Py_ssize_t = loop.shape[0]
+    found = np.empty((positions.shape[0], 2))
+    place: cython.double[:, ::1] = found
+    for index in range(positions.shape[0]):
+        at: cython.double = fmod(positions[index], arc[count])
+        at = at + arc[count] if at < 0 else at
+        if at < arc[edge]:
+            edge = 0
+        while edge + 1 < count and arc[edge + 1] <= at:  # as a rule they are in order
+            edge += 1
+        after: cython.Py_ssize_t = edge + 1 if edge + 1 < count else 0
+        length: cython.double = arc[edge + 1] - arc[edge]
+        place[index, 0] = (loop[after, 0] - loop[edge, 0]) / length * (at - arc[edge]) + loop[edge, 0]
+        place[index, 1] = (loop[after, 1] - loop[edge, 1]) / length * (at - arc[edge]) + loop[edge, 1]
     return found
 
 

@@ -63,7 +63,7 @@ def swept(
             rest[0], rest[1] = -INFINITY, INFINITY
             for finger in range(fingers.shape[0]):
                 if fingers[finger, 0] == jaw:
-                    _sweep(points, edges, hands[hand], 2 * jaw - 1, fingers[finger, 1], half, level[jaw, hand], rest)
+                    _sweep(points, edges, hands, hand, 2 * jaw - 1, fingers[finger, 1], half, level[jaw, hand], rest)
             if rest[0] > -INFINITY:
                 answer[0, jaw, hand] = rest[0]
                 answer[1, jaw, hand] = max(rest[1] - rest[0], 0.0)
@@ -71,10 +71,12 @@ def swept(
 
 
 @cython.cfunc
+@cython.inline
 def _sweep(
     points: cython.double[:, ::1],
     edges: cython.Py_ssize_t[::1],
-    hand: cython.double[::1],
+    hands: cython.double[:, ::1],
+    hand: cython.Py_ssize_t,
     side: cython.double,
     offset: cython.double,
     half: cython.double,
@@ -89,16 +91,16 @@ def _sweep(
     high: cython.double = offset + half
     for index in range(edges.shape[0]):
         row = edges[index]
-        dx: cython.double = points[row, 0] - hand[0]
-        dy: cython.double = points[row, 1] - hand[1]
-        ex: cython.double = points[row + 1, 0] - hand[0]
-        ey: cython.double = points[row + 1, 1] - hand[1]
-        ax: cython.double = dy * hand[2] - dx * hand[3]
-        bx: cython.double = ey * hand[2] - ex * hand[3]
+        dx: cython.double = points[row, 0] - hands[hand, 0]
+        dy: cython.double = points[row, 1] - hands[hand, 1]
+        ex: cython.double = points[row + 1, 0] - hands[hand, 0]
+        ey: cython.double = points[row + 1, 1] - hands[hand, 1]
+        ax: cython.double = dy * hands[hand, 2] - dx * hands[hand, 3]
+        bx: cython.double = ey * hands[hand, 2] - ex * hands[hand, 3]
         if (ax >= high and bx >= high) or (ax <= low and bx <= low):
             continue
-        ay: cython.double = side * (dx * hand[2] + dy * hand[3])
-        by: cython.double = side * (ex * hand[2] + ey * hand[3])
+        ay: cython.double = side * (dx * hands[hand, 2] + dy * hands[hand, 3])
+        by: cython.double = side * (ex * hands[hand, 2] + ey * hands[hand, 3])
         slope: cython.double = (by - ay) / (bx - ax if bx != ax else 1.0)
         if (ax > offset) != (bx > offset) and ay + (offset - ax) * slope > level:
             inside = not inside

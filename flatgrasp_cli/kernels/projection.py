@@ -34,3 +34,22 @@ def projected(
         image[1, point] = y / depth
         image[2, point] = sqrt(x * x + y * y + z * z)
     return found
+
+
+def turned(
+    points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
+    origin: cython.const[cython.double][:],  # type: ignore[valid-type]
+    axes: cython.const[cython.double][:, :],  # type: ignore[valid-type]
+) -> NDArray[np.float64]:
+    """Columns (3, n) of `points` (n, 3) along the `axes` (3, 3), its rows, from an `origin` (3,)."""
+    point: cython.Py_ssize_t
+    axis: cython.Py_ssize_t
+    found = np.empty((3, points.shape[0]))
+    columns: cython.double[:, ::1] = found
+    for point in range(points.shape[0]):
+        x: cython.double = points[point, 0] - origin[0]
+        y: cython.double = points[point, 1] - origin[1]
+        z: cython.double = points[point, 2] - origin[2]
+        for axis in range(3):
+            columns[axis, point] = axes[axis, 0] * x + axes[axis, 1] * y + axes[axis, 2] * z
+    return found

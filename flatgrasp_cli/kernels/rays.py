@@ -18,19 +18,21 @@ PARALLEL = cython.declare(cython.double, 1e-200)
 
 
 @cython.cfunc
+@cython.inline
 def _crossings(
     starts: cython.double[:, ::1],
     edges: cython.double[:, ::1],
     follow: cython.Py_ssize_t[::1],
-    line: cython.double[::1],
+    lines: cython.double[:, ::1],
+    line: cython.Py_ssize_t,
     ahead: cython.double[::1],
 ) -> cython.void:
-    """Write where along a `line`, its origin and its unit direction (4,), it meets each edge; NaN where it does not."""
+    """Write where along a line, of `lines` (m, 4) origin and unit direction, it meets each edge; NaN where not."""
     edge: cython.Py_ssize_t
-    ox: cython.double = line[0]
-    oy: cython.double = line[1]
-    ux: cython.double = line[2]
-    uy: cython.double = line[3]
+    ox: cython.double = lines[line, 0]
+    oy: cython.double = lines[line, 1]
+    ux: cython.double = lines[line, 2]
+    uy: cython.double = lines[line, 3]
     level: cython.double = ux * oy - uy * ox
     for edge in range(starts.shape[0]):
         after: cython.Py_ssize_t = follow[edge]
@@ -65,7 +67,7 @@ def first_hits(
     hit: cython.Py_ssize_t[::1] = hits
     ahead: cython.double[::1] = np.empty(starts.shape[0])
     for mover in range(lines.shape[0]):
-        _crossings(starts, edges, follow, lines[mover], ahead)
+        _crossings(starts, edges, follow, lines, mover, ahead)
         for place in range(skip.shape[1]):
             ahead[skip[mover, place]] = math.nan
         for edge in range(starts.shape[0]):
@@ -96,7 +98,7 @@ def met(
     answer: cython.double[:, ::1] = figures
     ahead: cython.double[::1] = np.empty(starts.shape[0])
     for mover in range(lines.shape[0]):
-        _crossings(starts, edges, follow, lines[mover], ahead)
+        _crossings(starts, edges, follow, lines, mover, ahead)
         inside: cython.bint = False
         for edge in range(starts.shape[0]):
             ahead[edge] = way * (ahead[edge] - begin[mover])

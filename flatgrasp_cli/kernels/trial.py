@@ -11,6 +11,61 @@ NARROW = cython.declare(cython.double, 1e-9)
 """Stands for a spread of 0, where what is needed is there or not."""
 
 
+def moved(grasps: cython.double[:, ::1], misses: cython.double[:, ::1]) -> NDArray[np.float64]:
+    """Where k hands come to stand (k, s, 5) in s samples: centre, closing axis, half the opening.
+
+    That is what `grasps` (k, 5) ask for. A hand misses, by `misses` (s, 4), so much across its closing axis and along
+    it, and is turned by an angle with that cosine and sine.
+    """
+    grasp: cython.Py_ssize_t
+    sample: cython.Py_ssize_t
+    found = np.empty((grasps.shape[0], misses.shape[0], 5))
+    hands: cython.double[:, :, ::1] = found
+    for grasp in range(grasps.shape[0]):
+        ux: cython.double = grasps[grasp, 2]
+        uy: cython.double = grasps[grasp, 3]
+        for sample in range(misses.shape[0]):
+            across: cython.double = misses[sample, 0]
+            along: cython.double = misses[sample, 1]
+            hands[grasp, sample, 0] = grasps[grasp, 0] - across * uy + along * ux
+            hands[grasp, sample, 1] = grasps[grasp, 1] + across * ux + along * uy
+            hands[grasp, sample, 2] = misses[sample, 2] * ux - misses[sample, 3] * uy
+            hands[grasp, sample, 3] = misses[sample, 2] * uy + misses[sample, 3] * ux
+            hands[grasp, sample, 4] = grasps[grasp, 4]
+    return found
+
+
+def arms(
+    hands: cython.double[:, :, ::1],
+    pulls: cython.double[:, ::1],
+    middle: cython.double[::1],
+    over: cython.double[::1],
+    down: cython.double[::1],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """How far an object's weight pulls beside the pads of k hands (k, s), as in `moved`; and their mean distance (k,).
+
+    It pulls at `pulls` (s, 2), by `over` (k,) higher than the pads, and `down` (3,) is where things fall. The distance
+    is that from its `middle` (2,).
+    """
+    grasp: cython.Py_ssize_t
+    sample: cython.Py_ssize_t
+    found = np.empty((hands.shape[0], hands.shape[1])), np.zeros(hands.shape[0])
+    arm: cython.double[:, ::1] = found[0]
+    away: cython.double[::1] = found[1]
+    for grasp in range(hands.shape[0]):
+        for sample in range(hands.shape[1]):
+            ux: cython.double = hands[grasp, sample, 2]
+            uy: cython.double = hands[grasp, sample, 3]
+            dx: cython.double = hands[grasp, sample, 0] - middle[0]
+            dy: cython.double = hands[grasp, sample, 1] - middle[1]
+            away[grasp] += sqrt(dx * dx + dy * dy) / hands.shape[1]
+            dx = pulls[sample, 0] - hands[grasp, sample, 0]
+            dy = pulls[sample, 1] - hands[grasp, sample, 1]
+            beside: cython.double = ux * dy - uy * dx
+            arm[grasp, sample] = abs(down[2] * beside + over[grasp] * (down[0] * uy - down[1] * ux))
+    return found
+
+
 @cython.cfunc
 @cython.inline
 def _suffices(need: cython.double, friction: cython.double, spread: cython.double) -> cython.double:
@@ -33,45 +88,48 @@ def suffices(need: cython.double[::1], friction: cython.double, spread: cython.d
 
 @cython.cfunc
 @cython.inline
-def _lean(leans: cython.double[::1], missing: cython.double) -> cython.double:
-    """Of leans (h,) at equal steps of what is missing of the grip, that at one share of it; the last for all beyond."""
-    steps: cython.Py_ssize_t = leans.shape[0]
+def _lean(leans: cython.double[:, ::1], grasp: cython.Py_ssize_t, missing: cython.double) -> cython.double:
+    """Of a grasp's leans at equal steps of what is missing of the grip, that at one share of it; or the last."""
+    steps: cython.Py_ssize_t = leans.shape[1]
     higher: cython.double = steps * min(max(missing, 0.0), 1.0)
     step: cython.Py_ssize_t = min(cython.cast(cython.Py_ssize_t, higher), steps - 1)
-    return leans[step] + (higher - step) * (leans[min(step + 1, steps - 1)] - leans[step])
+    return leans[grasp, step] + (higher - step) * (leans[grasp, min(step + 1, steps - 1)] - leans[grasp, step])
 
 
 @cython.cfunc
+@cython.inline
 def _tried(
-    met: cython.double[:],
-    grasp: cython.double[::1],
-    leans: cython.double[::1],
-    sample: cython.double[::1],
+    met: cython.double[:, :, ::1],
+    grasps: cython.double[:, ::1],
+    grasp: cython.Py_ssize_t,
+    leans: cython.double[:, ::1],
+    samples: cython.double[:, ::1],
+    sample: cython.Py_ssize_t,
     inside: cython.bint,
     usual: cython.double[::1],
-    left: cython.double[::1],
+    left: cython.double[:, ::1],
 ) -> cython.void:
-    """Add to what is `left` (6,) how probably one grasp has not failed yet in one sample; arguments as in `chances`."""
-    held: cython.double = max(grasp[0] - max(met[6], met[4]), 0.0)
-    lands: cython.bint = met[0] == 0 or met[1] < sample[0] * grasp[2]
+    """Add to what is `left` (k, 6) how probably a grasp has not failed yet in one sample; arguments as in `chances`."""
+    held: cython.double = max(grasps[grasp, 0] - max(met[6, grasp, sample], met[4, grasp, sample]), 0.0)
+    lands: cython.bint = met[0, grasp, sample] == 0 or met[1, grasp, sample] < samples[sample, 0] * grasps[grasp, 2]
     beside: cython.double = usual[2] if lands else 1.0
-    down: cython.double = beside * (1 - usual[4] * met[5]) if held >= usual[5] else 0.0
-    around: cython.double = down if met[2] != 0 or inside or lands else 0.0
+    down: cython.double = beside * (1 - usual[4] * met[5, grasp, sample]) if held >= usual[5] else 0.0
+    around: cython.double = down if met[2, grasp, sample] != 0 or inside or lands else 0.0
     lean: cython.double = 0.0
-    if grasp[3] != 0:
-        lean = _lean(leans, 1 - held / max(grasp[1], usual[5]))
-        lean = max(lean + sample[1] / max(0.5 * held, usual[5]), 0.0)
-    wedge: cython.double = 0.0 if inside else met[3]
+    if grasps[grasp, 3] != 0:
+        lean = _lean(leans, grasp, 1 - held / max(grasps[grasp, 1], usual[5]))
+        lean = max(lean + samples[sample, 1] / max(0.5 * held, usual[5]), 0.0)
+    wedge: cython.double = 0.0 if inside else met[3, grasp, sample]
     need: cython.double = sqrt(wedge * wedge + lean * lean)
-    left[0] += beside
-    left[1] += down
-    left[2] += around
-    left[3] += around * _suffices(need, usual[0], usual[1])
-    need = max(need, sample[2])
+    left[grasp, 0] += beside
+    left[grasp, 1] += down
+    left[grasp, 2] += around
+    left[grasp, 3] += around * _suffices(need, usual[0], usual[1])
+    need = max(need, samples[sample, 2])
     lifted: cython.double = around * _suffices(need, usual[0], usual[1])
-    still: cython.double = around * _suffices(max(need, met[7]), usual[0], usual[1])
-    left[4] += lifted
-    left[5] += still + usual[3] * (lifted - still)
+    still: cython.double = around * _suffices(max(need, met[7, grasp, sample]), usual[0], usual[1])
+    left[grasp, 4] += lifted
+    left[grasp, 5] += still + usual[3] * (lifted - still)
 
 
 def chances(
@@ -104,8 +162,7 @@ def chances(
     for grasp in range(grasps.shape[0]):
         for sample in range(samples.shape[0]):
             sure: cython.bint = inside[grasp, sample] != 0
-            what: cython.double[:] = met[:, grasp, sample]
-            _tried(what, grasps[grasp], leans[grasp], samples[sample], sure, usual, left[grasp])
+            _tried(met, grasps, grasp, leans, samples, sample, sure, usual, left)
         for step in range(6):
             left[grasp, step] /= samples.shape[0]
     return found

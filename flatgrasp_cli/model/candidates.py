@@ -142,6 +142,11 @@ class GraspCandidates:
         shift = 0.5 * (self.pads[:, 1] - self.pads[:, 0])
         return np.asarray(self.middle + shift[:, None] * self.axis)
 
+    @property
+    def hands(self) -> FloatArray:
+        """Where hands that have closed stand, rows (p, 5): the centre, the closing axis, and half the width."""
+        return np.column_stack([self.center, self.axis, 0.5 * self.width])
+
     def select(self, keep: BoolArray | IntArray) -> GraspCandidates:
         """The pairs that `keep`, a mask or an index array, names."""
         return _select(self, keep)
@@ -180,17 +185,16 @@ class GraspCandidates:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OpenHands:
-    """p open hands in the plane, where they really come to stand.
+    """Open hands in the plane, s for each of k grasps, where they really come to stand.
 
-    `center` (p, 2) lies midway between the pads, the hands close along the unit `axis` (p, 2), open by `opening` (p,),
-    and their fingertips end at the heights `tip` (p,).
+    `where` (k, s, 5) are the place midway between the pads, the unit axis that they close along, and half the opening;
+    the fingertips end at the heights `tip` (k, s).
     """
 
-    center: FloatArray
-    axis: FloatArray
-    opening: FloatArray
+    where: FloatArray
     tip: FloatArray
 
-    def __len__(self) -> int:
-        """Number of hands."""
-        return len(self.opening)
+    @property
+    def rows(self) -> FloatArray:
+        """`where` they stand, one after the other (k·s, 5)."""
+        return self.where.reshape(-1, 5)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.extents import mean_of
 from flatgrasp_cli.geometry.polygon import area_centroid, cross, share_inside, signed_area
 from flatgrasp_cli.model import FingerCandidates, GraspCandidates, GravityCenter, PlaneShape, Silhouette
 from flatgrasp_cli.profiles.settings import GravitySettings
@@ -16,7 +17,7 @@ def gravity_center(whole: Silhouette, settings: GravitySettings) -> GravityCente
     `area`: the centroid of the silhouette, as if the object were a plate; `points`: the mean of the visible points,
     which depends on their density.
     """
-    points = whole.points.mean(axis=0)
+    points = mean_of(whole.points)
     return GravityCenter(area_centroid(whole.loops) if whole.loops else points, points, settings.center)
 
 

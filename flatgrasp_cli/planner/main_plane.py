@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.extents import mean_of
 from flatgrasp_cli.geometry.principal_axes import main_axes, principal_axes
 from flatgrasp_cli.model import OrientedBox
 
@@ -20,7 +21,7 @@ def oriented_box(points: FloatArray, toward: FloatArray, method: Literal["pca", 
     """
     if len(points) < 3:
         return None
-    mean = points.mean(axis=0)
+    mean = mean_of(points)
     centred = np.ascontiguousarray((points - mean).T)  # (3, n): reductions run fast over a long last axis
     axes = principal_axes(centred)
     if axes is None:

@@ -11,19 +11,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import combinations
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
+from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.polygon import area_centroid, cross, left_normal
+from flatgrasp_cli.kernels.wrenches import nearest_facets
 from flatgrasp_cli.ranking.lifting import STANDARD_GRAVITY
-
-FLAT = 1e-12
-"""Three wrenches whose plane's normal is shorter lie on a line."""
-IN_PLANE = 1e-12
-MOST_ROWS = 2_000
-"""Grasps worked on at once."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,28 +49,10 @@ def contact_wrenches(points: FloatArray, normals: FloatArray, friction: float, r
 def ferrari_canny(wrenches: FloatArray) -> FloatArray:
     """ε (k,) of k sets of wrenches (k, w, 3), w ≥ 4: distance of the origin to the hull's nearest facet, 0 if outside.
 
-    Facets are found among all triples: the planes that have all wrenches on one side. For the few wrenches of two
-    fingers that is as exact as Qhull and faster, for it runs over all grasps at once.
+    Facets are found among all triples. For the few wrenches of two fingers that is as exact as Qhull and faster.
     """
-    triples = np.array(list(combinations(range(wrenches.shape[1]), 3)))
-    parts = np.split(wrenches, range(MOST_ROWS, len(wrenches), MOST_ROWS))
-    return np.concatenate([_nearest_facet(part, triples) for part in parts])
-
-
-def _nearest_facet(wrenches: FloatArray, triples: IntArray) -> FloatArray:
-    a, b, c = np.moveaxis(wrenches[:, triples], 2, 0)  # (k, t, 3) each
-    normal = np.cross(b - a, c - a)
-    length = np.linalg.norm(normal, axis=2)
-    normal = normal / np.where(length > FLAT, length, 1.0)[..., None]
-    offset = (normal * a).sum(axis=2)
-    height = np.einsum("ktd,kwd->ktw", normal, wrenches) - offset[..., None]  # of every wrench over every plane
-    below, above = height.max(axis=2) <= IN_PLANE, height.min(axis=2) >= -IN_PLANE
-    # from the origin out to the plane, > 0 where the hull's side of it holds the origin
-    inward = np.where(below, offset, np.where(above, -offset, np.inf))
-    inward = np.where(below & above, 0.0, inward)  # all wrenches in one plane: the hull has no inside
-    facet = (length > FLAT) & (below | above)
-    nearest = np.where(facet, inward, np.inf).min(axis=1)
-    return np.asarray(np.where(np.isfinite(nearest), np.maximum(nearest, 0.0), 0.0))
+    found: FloatArray = nearest_facets(wrenches)
+    return found
 
 
 def point_quality(contacts: FloatArray, normals: FloatArray, friction: float, reference: Reference) -> FloatArray:

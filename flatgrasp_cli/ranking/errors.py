@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from statistics import NormalDist
 
 import numpy as np
@@ -16,7 +16,7 @@ PRIMES = np.array([2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0])
 """One for each of a sample's numbers."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Errors:
     """All that is not known, s samples of it.
 
@@ -38,6 +38,11 @@ class Errors:
     def __len__(self) -> int:
         """Number of samples."""
         return len(self.yaw)
+
+    @cached_property
+    def misses(self) -> FloatArray:
+        """How far the hand misses across its closing axis and along it, and cosine and sine of its turn (s, 4)."""
+        return np.column_stack([self.across, self.along, np.cos(self.yaw), np.sin(self.yaw)])
 
 
 @lru_cache(maxsize=4)

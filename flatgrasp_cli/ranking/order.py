@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
+
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
@@ -29,7 +31,7 @@ def best_first(grasps: GraspCandidates, situation: Situation) -> GraspCandidates
         return grasps.select(np.lexsort((grasps.j, grasps.i, grasps.required_friction, grasps.gravity_distance)))
     grasps = grasps.having(merit=estimated(grasps, situation))
     order = by_probability(grasps.merit, grasps.gravity_distance)
-    unsure = settings.uncertainty.figures
+    unsure = situation.unsure
     apart = VarietySettings(apart_m=unsure.position_m, apart_deg=min(2 * unsure.yaw_deg, 90.0))
     contenders = np.array(differing(grasps, order, apart, CONTENDERS), dtype=np.intp)
     rough = _by_trial(grasps.select(contenders), situation.briefly)
@@ -49,12 +51,13 @@ def _by_trial(grasps: GraspCandidates, situation: Situation) -> GraspCandidates:
 def by_probability(probability: FloatArray, gravity_distance: FloatArray) -> IntArray:
     """The order (p,) of grasps: the most probable first, those within `TIE` of it by gravity distance, and so on."""
     order = np.lexsort((gravity_distance, -probability))
-    ranked, values = list[int](), probability[order]
-    while len(ranked) < len(order):
-        begin = len(ranked)
-        end = begin + int(np.count_nonzero(values[begin:] >= values[begin] - TIE))
-        equal = order[begin:end]
-        ranked += equal[np.argsort(gravity_distance[equal], kind="stable")].tolist()
+    short = (-probability[order]).tolist()  # rising, and plain numbers: most groups are small
+    ranked, distance = order.tolist(), gravity_distance.tolist()
+    begin = 0
+    while begin < len(ranked):
+        end = bisect_right(short, short[begin] + TIE, begin)
+        ranked[begin:end] = sorted(ranked[begin:end], key=distance.__getitem__)
+        begin = end
     return np.array(ranked, dtype=np.intp)
 
 
@@ -64,7 +67,7 @@ def estimated(grasps: GraspCandidates, situation: Situation) -> FloatArray:
     The hand misses along its closing axis alone, and the walls lean as far as they probably do; weight is left out.
     """
     settings, gripper = situation.settings, situation.gripper
-    unsure, friction = settings.uncertainty.figures, settings.balance.friction_with(gripper)
+    unsure, friction = situation.unsure, settings.balance.friction_with(gripper)
     room = grasps.margin + RIM_SHARE * gripper.finger_thickness_m
     misses = np.sort(np.abs(situation.errors.along))
     beside = np.searchsorted(misses, room, side="right") / len(misses)

@@ -9,16 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
-from flatgrasp_cli.geometry.polygon import cross
-from flatgrasp_cli.kernels.trial import chances
+from flatgrasp_cli.kernels import trial as kernels
 from flatgrasp_cli.model import GraspCandidates, OpenHands, PlaneShape, Tolerance
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
-from flatgrasp_cli.ranking.closing import closed, moved
+from flatgrasp_cli.profiles.uncertainty import Uncertainty
+from flatgrasp_cli.ranking.closing import closed
 from flatgrasp_cli.ranking.errors import Errors, errors_of
 from flatgrasp_cli.ranking.lifting import Load, friction_to_lift
 from flatgrasp_cli.surroundings.interface import Surroundings
@@ -35,7 +36,7 @@ TURNED_HELD = 0.9
 tries in simulation that came to that, about 30, two or three were lost."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Situation:
     """What grasps are carried out on, among what, and with which hand; and with which `share` of the samples."""
 
@@ -51,11 +52,16 @@ class Situation:
         """The same, with a quarter of the samples: their first, which are spread evenly, too."""
         return replace(self, share=0.25)
 
-    @property
+    @cached_property
+    def unsure(self) -> Uncertainty:
+        """The figures of what is not known."""
+        return self.settings.uncertainty.figures
+
+    @cached_property
     def errors(self) -> Errors:
         """The samples of what is not known, the same for all grasps."""
-        unsure = self.settings.uncertainty.figures
-        return errors_of(replace(unsure, samples=max(1, round(self.share * unsure.samples))), self.settings.seed)
+        samples = max(1, round(self.share * self.unsure.samples))
+        return errors_of(replace(self.unsure, samples=samples), self.settings.seed)
 
     def tried(self, grasps: GraspCandidates, tolerances: Sequence[Tolerance | None] = ()) -> GraspCandidates:
         """The k grasps with `success`, `causes` and `probability`.
@@ -76,21 +82,16 @@ class Situation:
         Where the hand is `inside` (k, s) a basin, closing ends in the grasp, and its two sides are opposed again. What
         depends on friction alone, or on what was not seen, is a chance in each sample; all else is 0 or 1 there.
         """
-        errors, unsure, each = self.errors, self.settings.uncertainty.figures, inside.shape
-        center, axis = moved(grasps.center, grasps.axis, errors)
-        hands = OpenHands(
-            center=center.reshape(-1, 2),
-            axis=axis.reshape(-1, 2),
-            opening=np.repeat(grasps.opening, len(errors)),
-            tip=(grasps.tip[:, None] + errors.height).ravel(),
-        )
-        found = closed(self.shape.silhouette.loops, hands, self.gripper, self.settings.hand.contact_tolerance_m)
-        stops = self.surroundings.stopped(hands, self.gripper)
+        errors, unsure = self.errors, self.unsure
+        wanted = np.column_stack([grasps.center, grasps.axis, 0.5 * grasps.opening])
+        hands = OpenHands(kernels.moved(wanted, errors.misses), grasps.tip[:, None] + errors.height)
         force_n, grip_m = self.gripper.max_force_n or unsure.force_n, self._grip_m(grasps)
         pads = np.column_stack([np.full(len(grasps), self.gripper.finger_width_m), grip_m])
-        to_lift = friction_to_lift(self._load(grasps, center, axis), force_n, pads, self.settings.depth.lift_m)
-        wedge, turning = np.tan(found.wedge), to_lift.turning.ravel()
-        met = np.stack([found.free, found.room, found.between, wedge, stops.height, stops.dark, hands.tip, turning])
+        to_lift = friction_to_lift(self._load(grasps, hands), force_n, pads, self.settings.depth.lift_m)
+        met = np.empty((8, *inside.shape))
+        met[:4] = closed(self.shape.silhouette.loops, hands, self.gripper, self.settings.hand.contact_tolerance_m)
+        met[4:6] = self.surroundings.stopped(hands, self.gripper)
+        met[6], met[7] = hands.tip, to_lift.turning
         hidden, has_height = grasps.hidden.max(axis=1), ~np.isnan(grasps.grip)
         known = np.column_stack([grasps.tip + grip_m, grip_m, hidden, has_height])
         noise = np.sqrt(0.5) * unsure.outline_m * errors.outline
@@ -98,15 +99,15 @@ class Situation:
         friction = self.settings.balance.friction_with(self.gripper)
         often = [PUSHED_ASIDE, TURNED_HELD, unsure.occupied_share]
         usual = np.array([friction, unsure.friction_share, *often, NOISE_M])
-        return chances(met.reshape(-1, *each), known, grasps.lean, samples, inside.view(np.uint8), usual)
+        return kernels.chances(met, known, grasps.lean, samples, inside.view(np.uint8), usual)
 
     def _grip_m(self, grasps: GraspCandidates) -> FloatArray:
         """How much of the object's height the pads of k hands cover (k,), metres; of an object alone all they can."""
         alone = min(self.gripper.finger_length_m, float(self.shape.box.size[2]))
         return np.where(np.isnan(grasps.grip), alone, grasps.grip)
 
-    def _load(self, grasps: GraspCandidates, center: FloatArray, axis: FloatArray) -> Load:
-        """What k grasps, by hands with the centres and axes (k, s, 2), have to bear.
+    def _load(self, grasps: GraspCandidates, hands: OpenHands) -> Load:
+        """What k grasps, by such `hands`, have to bear.
 
         The weight pulls along `down`: to a hand that comes aslant the object's middle may lie beside the contacts by
         being deeper.
@@ -115,12 +116,10 @@ class Situation:
         *flat, deep = self.shape.box.size.tolist()
         length, middle = max(flat), self.shape.gravity_center.place
         over = 0.5 * deep - grasps.tip - 0.5 * self._grip_m(grasps)
-        beside = cross(axis, middle + length * errors.center - center)
-        arm = np.abs(down[2] * beside + over[:, None] * cross(down[:2], axis))
+        arm, away = kernels.arms(hands.where, middle + length * errors.center, middle, over, down)
         mass = errors.density * self.shape.volume_m3 if known is None else np.full(len(errors), known)
         aslant = float(np.linalg.norm(down[:2]))
-        away = np.hypot(np.linalg.norm(middle - center, axis=2).mean(axis=1), aslant * over)
-        return Load(mass, arm, away + 0.5 * max(length, aslant * deep))
+        return Load(mass, arm, np.hypot(away, aslant * over) + 0.5 * max(length, aslant * deep))
 
 
 def _inside(tolerances: Sequence[Tolerance | None], grasps: GraspCandidates, errors: Errors) -> BoolArray:

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
+from flatgrasp_cli.geometry.extents import mean_of
 from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
@@ -34,7 +35,7 @@ def without_faint(
     reach = WINDOW_PX * clusters.floor.spacing_m / usual_m
 
     def is_faint(own: FloatArray) -> bool:
-        share = float(np.linalg.norm(own.mean(axis=0) - viewpoint)) / usual_m
+        share = float(np.linalg.norm(mean_of(own) - viewpoint)) / usual_m
         heights = plane.heights(own)
         if float(np.quantile(heights, MOST)) < SIGMAS * plane.noise_m * share**2:
             return True

@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.extents import extent_of
 from flatgrasp_cli.model import SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.clusters import Clusters
@@ -210,7 +211,7 @@ def _most(which: BoolArray) -> bool:
 
 def _length_m(points: FloatArray) -> float:
     """Diagonal of the box around `points` (n, 3)."""
-    return float(np.linalg.norm(np.ptp(points, axis=0)))
+    return float(np.linalg.norm(extent_of(points)))
 
 
 def _is_free(points: FloatArray, container: Container) -> bool:

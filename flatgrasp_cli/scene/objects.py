@@ -7,6 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
+from flatgrasp_cli.geometry.extents import bounds_of, extent_of, mean_of
+from flatgrasp_cli.kernels.points import between
 from flatgrasp_cli.model import Cloud, ObjectCloud, Sensor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.clusters import Clusters
@@ -20,7 +22,7 @@ def overlook(points: FloatArray, sensor: Sensor, plane: SupportPlane) -> FloatAr
     """Where `points` (n, 3) are looked at from: the sensor, or straight above where it is not known to look down."""
     if sensor.position is not None and not sensor.sees_all_sides and looks_down(sensor, plane.normal, plane.offset_m):
         return sensor.position
-    return np.asarray(points.mean(axis=0) + REACH_M * plane.normal)
+    return np.asarray(mean_of(points) + REACH_M * plane.normal)
 
 
 def objects_of(
@@ -50,7 +52,7 @@ def objects_of(
     for group in sorted({group for group in groups if group is not None}):
         parts = [index for index, own in enumerate(groups) if own == group]
         place = np.concatenate([places[index] for index in parts])
-        if np.linalg.norm(np.ptp(standing[place], axis=0)) <= longest_whole_m(settings):
+        if np.linalg.norm(extent_of(standing[place])) <= longest_whole_m(settings):
             whole = around.object(parts[0], place)
             cut_any, edge_any = (any(flags[index] for index in parts) for flags in (cut, at_edge))
             wholes.append(replace(whole, group=group, cut_off=cut_any, at_edge=edge_any))
@@ -61,23 +63,23 @@ class _Around:
     """The points (n, 3) above a support plane, and who saw them."""
 
     def __init__(self, standing: FloatArray, sensor: Sensor, plane: SupportPlane, clusters: Clusters) -> None:
-        self.standing, self.columns = standing, np.ascontiguousarray(standing.T)
+        self.standing = standing
         self.sensor, self.plane, self.floor = sensor, plane, clusters.floor
         self.seen_from_above = looks_down(sensor, plane.normal, plane.offset_m)
         self.in_container = len(clusters.container) > 0
 
     def object(self, index: int, mine: IntArray) -> ObjectCloud:
         """The object number `index` that has the points `mine` (k,), with what stands near it."""
-        near = np.ones(len(self.standing), dtype=np.bool_)
-        for values in self.columns:
-            own = values[mine]
-            near &= (values > own.min() - NEAR_M) & (values < own.max() + NEAR_M)
+        points = self.standing[mine]
+        low, high = bounds_of(points)
+        near = np.zeros(len(self.standing), dtype=np.bool_)
+        near[between(self.standing, low - NEAR_M, high + NEAR_M)] = True
         near[mine] = False
-        middle = self.columns[:, mine].mean(axis=1)
+        middle = mean_of(points)
         viewpoint = self.sensor.position if self.seen_from_above else middle + REACH_M * self.plane.normal
         return ObjectCloud(
             id=index,
-            points=self.standing[mine],
+            points=points,
             toward=self.plane.normal if viewpoint is None else viewpoint - middle,
             viewpoint=None if self.sensor.sees_all_sides else viewpoint,
             support=self.plane,

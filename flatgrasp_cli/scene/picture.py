@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.extents import mean_of
 from flatgrasp_cli.geometry.height_map import UNSEEN
 from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Cloud, Floor
@@ -54,7 +55,7 @@ def at_table_edge(points: FloatArray, members: tuple[IntArray, ...], floor: Floo
 
     raster = floor.levels.raster
     inner = hull_of(floor.levels.heights > UNSEEN).buffer(-edge_m / raster.cell_m)
-    middles = np.array([points[rows].mean(axis=0) for rows in members]).reshape(-1, 3)
+    middles = np.array([mean_of(points[rows]) for rows in members]).reshape(-1, 3)
     x, y, _ = floor.frame.to_local(middles).T
     row, column = np.divmod(raster.cells(x, y), raster.shape[1])
     return tuple((~shapely.contains_xy(inner, row, column)).tolist())

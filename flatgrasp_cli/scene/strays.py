@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
+from flatgrasp_cli.geometry.extents import bounds_of
 from flatgrasp_cli.geometry.raster import MAX_CELLS
 from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.kernels import points as kernels
@@ -54,7 +55,7 @@ def lonely(points: FloatArray, cell_m: float) -> BoolArray:
     """Which of `points` (n, 3) have fewer than two others in the cells around them: cubes of side `cell_m`."""
     if len(points) == 0:
         return np.zeros(0, dtype=np.bool_)
-    low, high = points.min(axis=0), points.max(axis=0)
+    low, high = bounds_of(points)
     cell_m = max(cell_m, float(np.prod((high - low) + cell_m) / MAX_CELLS) ** (1 / 3))
     shape = ((high - low) / cell_m).astype(np.intp) + 3  # a rim, so that no neighbour lies outside
     place = ((points - low) / cell_m).astype(np.intp) + 1

@@ -14,6 +14,7 @@ import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.extents import bounds_of, extent_of, mean_of
 from flatgrasp_cli.geometry.frames import frame_on_plane
 from flatgrasp_cli.geometry.planes import consensus_plane
 from flatgrasp_cli.geometry.range_image import RangeImage
@@ -89,7 +90,7 @@ class Surface:
         everything = points[spread_indices(len(points), STANDING_SAMPLE)]
         standing = _standing_plane(everything, rng)
         sample, nothing = points[spread_indices(len(points), SURFACE_SAMPLE)], np.empty((0, 3))
-        large = len(sample) <= NEIGHBOURS or float(np.ptp(sample, axis=0).max()) > LARGEST_OBJECT_M
+        large = len(sample) <= NEIGHBOURS or float(extent_of(sample).max()) > LARGEST_OBJECT_M
         surface = None if standing is not None or large else _bulging_normals(sample)
         if surface is None:
             return cls(everything, standing, nothing, nothing, 0.0)
@@ -143,14 +144,14 @@ def _standing_plane(points: FloatArray, rng: np.random.Generator) -> tuple[Float
 def _filled(sheet: FloatArray, area: float) -> bool:
     """Whether places (n, 2) of a plane's own points fill their convex hull, of that area, as a table's do."""
     cell = np.sqrt(FILL_POINTS * area / len(sheet))
-    row, column = ((sheet - sheet.min(axis=0)) / cell).astype(np.intp).T
+    row, column = ((sheet - bounds_of(sheet)[0]) / cell).astype(np.intp).T
     filled = len(np.unique(row * (int(column.max()) + 1) + column))
     return bool(filled * cell**2 >= LEAST_FILLED * area)
 
 
 def _surrounded(sheet: FloatArray, standing: FloatArray) -> bool:
     """Whether places (n, 2) of a plane's own points lie around those `standing` (k, 2) on it, on nearly all sides."""
-    middle = standing.mean(axis=0)
+    middle = mean_of(standing)
     away, apart = (np.hypot(*(places - middle).T) for places in (sheet, standing))
     x, y = (sheet[away > max(AROUND * float(np.median(apart)), AROUND_M)] - middle).T
     return len(np.unique(np.floor(np.arctan2(y, x) * SECTORS / (2 * np.pi)) % SECTORS)) >= LEAST_SECTORS
@@ -235,7 +236,7 @@ def _consistent_signs(
 def _hidden_share(points: FloatArray, place: FloatArray) -> float:
     """Share of `points` (n, 3) that lie behind others, seen from `place` (3,)."""
     apart = np.linalg.norm(points - place, axis=1)
-    sides = np.sort(np.ptp(points, axis=0))
+    sides = np.sort(extent_of(points))
     spacing_m = max(float(np.sqrt(PIXEL_POINTS * sides[1] * sides[2] / len(points))), 1e-6)
     if float(np.median(apart)) < spacing_m:
         return 1.0

@@ -15,7 +15,9 @@ import numpy as np
 
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.kernels.points import measured
 from flatgrasp_cli.model import Cloud, CloudWarning, ImageGrid, Source
+from flatgrasp_cli.model.clouds import LARGEST_COORDINATE_M
 from flatgrasp_cli.sources.ascii_rows import more_rows, read_columns
 from flatgrasp_cli.sources.pcd_header import PcdHeader, check_pcd_data, read_pcd_header
 from flatgrasp_cli.sources.ply_elements import Column, read_element
@@ -46,7 +48,7 @@ def read_pcd(file: BinaryIO, name: str, scale: float = 1.0) -> Cloud:
     columns, more = _text_columns(file, header, name) if header.data == "ascii" else _columns(file, header, name)
     if header.points == 0:
         raise SourceError(f"{name}: the file declares no points")
-    cloud = _finite(columns, name, (header.height, header.width), scale)
+    cloud = _cloud(columns, name, (header.height, header.width), scale)
     if more:
         cloud = cloud.warned(MORE_POINTS)
     pose = header.viewpoint_pose
@@ -146,12 +148,12 @@ def _wanted(element: PlyElement, name: str) -> list[int]:
 def _seen_by(camera: list[Column] | None, vertices: Sequence[FloatArray], name: str, scale: float) -> Cloud:
     """The cloud of the vertices, an image if the camera says of what size."""
     if not camera:
-        return _finite(vertices, name, (1, len(vertices[0])), scale)
+        return _cloud(vertices, name, (1, len(vertices[0])), scale)
     place, image = (np.array([float(column.values[0]) for column in part]) for part in (camera[:3], camera[3:]))
     shape = (1, len(vertices[0]))
     if len(image) == 2 and np.isfinite(image).all() and image.prod() == len(vertices[0]):
         shape = (int(image[0]), int(image[1]))
-    cloud = _finite(vertices, name, shape, scale)
+    cloud = _cloud(vertices, name, shape, scale)
     return replace(cloud, viewpoint=scale * place) if place.any() and np.isfinite(place).all() else cloud
 
 
@@ -166,15 +168,18 @@ def _goes_on(file: BinaryIO, header: PlyHeader) -> bool:
     return len(file.read(size)) == size
 
 
-def _finite(columns: Sequence[FloatArray] | FloatArray, name: str, shape: tuple[int, int], scale: float) -> Cloud:
-    """The cloud of the finite ones of points given as columns x, y and z, of any type; `shape` is height and width."""
-    x, y, z = columns
-    finite = np.isfinite(x) & np.isfinite(y) & np.isfinite(z)
-    rows = np.flatnonzero(finite)
-    points = np.empty((len(rows), 3))
-    for k, column in enumerate((x, y, z)):
-        points[:, k] = column if len(rows) == len(column) else column.take(rows)
-    if scale != 1.0:
-        points *= scale
-    pixels = ImageGrid(shape, finite) if min(shape) > 1 else None
-    return Cloud(points, source=Source(name), dropped=len(x) - len(rows), pixels=pixels)
+def _cloud(columns: Sequence[FloatArray] | FloatArray, name: str, shape: tuple[int, int], scale: float) -> Cloud:
+    """The cloud of points given as columns x, y and z, of any type; `shape` is height and width."""
+    x, y, z = _numbers(columns)
+    filled = np.empty(len(x), dtype=np.bool_)
+    points = measured(x, y, z, scale, LARGEST_COORDINATE_M, filled.view(np.uint8))
+    pixels = ImageGrid(shape, filled) if min(shape) > 1 else None
+    return Cloud(points, source=Source(name), dropped=len(x) - len(points), pixels=pixels)
+
+
+def _numbers(columns: Sequence[FloatArray] | FloatArray) -> Sequence[FloatArray]:
+    """The columns as numbers of one type, in which a processor reckons."""
+    if len({column.dtype for column in columns} | {np.dtype(np.float32)}) == 1:
+        return list(columns)
+    with np.errstate(invalid="ignore"):  # NaN of some kinds warn when they are converted
+        return [np.asarray(column, dtype=np.float64) for column in columns]

@@ -67,7 +67,7 @@ class Alone:
 
     def stopped(self, hands: OpenHands, _gripper: Gripper, /) -> Stops:
         """Nothing: the way to an object alone is free, and all of it was seen."""
-        return Stops(np.full(len(hands), UNSEEN), np.zeros(len(hands)))
+        return Stops(np.full(hands.tip.shape, UNSEEN), np.zeros(hands.tip.shape))
 
 
 def openings(grasps: GraspCandidates, gripper: Gripper, settings: HandSettings) -> FloatArray:

@@ -96,10 +96,10 @@ class Aslant(OnSupport):
         found = OnSupport.stopped(self, hands, gripper)
         if self.settings.depth.unseen == "ignore":
             return found
-        out = (0.5 * (hands.opening + gripper.finger_thickness_m))[:, None] * hands.axis
-        ends = np.stack([np.column_stack([hands.center + sign * out, hands.tip]) for sign in (-1.0, 1.0)])
-        hidden = self._hides(ends)
-        return found._replace(dark=hidden.reshape(2, -1).mean(axis=0))
+        middle, axis, half = np.split(hands.rows, (2, 4), axis=1)
+        out, tip = (half + 0.5 * gripper.finger_thickness_m) * axis, hands.tip.ravel()
+        hidden = self._hides(np.stack([np.column_stack([middle + sign * out, tip]) for sign in (-1.0, 1.0)]))
+        return found._replace(dark=hidden.reshape(2, *hands.tip.shape).mean(axis=0))
 
     def _hidden(self, grasps: GraspCandidates, gripper: Gripper) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Shares (p,) of places in the fingers and, last, in the palm, on the way and at its end, that no ray reached.

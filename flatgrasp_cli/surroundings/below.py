@@ -17,9 +17,9 @@ from flatgrasp_cli.surroundings.maps import MIN_CELL_M, NOISE_M
 
 
 class Stops(NamedTuple):
-    """What is in the way of p open hands: `height` (p,), metres, at which it stops their fingertips, −∞ if nothing.
+    """What is in the way of open hands: `height` (k, s), metres, at which it stops their fingertips, −∞ if nothing.
 
-    `dark` (p,) is the share of the places of their fingertips that no ray reached.
+    `dark` (k, s) is the share of the places of their fingertips that no ray reached.
     """
 
     height: FloatArray
@@ -42,27 +42,28 @@ def under_fingers(
     cell = rest.cell_m
     reach = np.maximum(np.ceil((margins + gripper.finger_thickness_m) / cell).astype(np.intp) - 1, 0)
     at_contact = int(np.ceil(MIN_CELL_M / cell + 0.5))
-    hands = np.column_stack([grasps.center, grasps.axis, 0.5 * grasps.width])
     fingers = _places(gripper, gripper.finger_width_m + 2 * clearance_m, cell)
-    found, hidden = kernels.under_fingers(hands, fingers, reach, at_contact, rest.heights, highest.heights, _grid(rest))
+    found, hidden = kernels.under_fingers(
+        grasps.hands, fingers, reach, at_contact, rest.heights, highest.heights, rest.grid
+    )
     return found, hidden
 
 
 def stops(hands: OpenHands, rest: HeightMap, coarse: HeightMap, gripper: Gripper) -> Stops:
-    """What stops p open hands that come down wherever they miss to: the `rest` their fingers, anything their palm.
+    """What stops open hands that come down wherever they miss to: the `rest` their fingers, anything their palm.
 
     Of a fingertip only the middle counts, half its width by half its thickness: what it meets with its rim it pushes
     aside, or is pushed aside by.
     """
-    cell = rest.cell_m
+    cell, where = rest.cell_m, hands.rows
     fingers = _places(gripper, 0.5 * gripper.finger_width_m, cell)
     out = 0.5 * gripper.finger_thickness_m + _steps(0.5 * gripper.finger_thickness_m, cell)
-    where = np.column_stack([hands.center, hands.axis, 0.5 * hands.opening])
-    highest, dark = kernels.under_tips(where, fingers, out, rest.heights, _grid(rest))
+    highest, dark = kernels.under_tips(where, fingers, out, rest.heights, rest.grid)
     long_m = gripper.finger_length_m
     lowest = float(hands.tip.min(initial=np.inf))
-    palm = under_palm(hands, hands.opening[None], coarse, lowest + long_m, gripper)[0] - long_m
-    return Stops(np.maximum(highest, palm), dark)
+    palm = under_palm(where, 2 * where[:, 4][None], coarse, lowest + long_m, gripper)[0] - long_m
+    shape = hands.tip.shape
+    return Stops(np.maximum(highest, palm).reshape(shape), dark.reshape(shape))
 
 
 def breadth_m(gripper: Gripper, openings: FloatArray) -> FloatArray:
@@ -80,16 +81,16 @@ def palm_room(
     room = np.zeros(len(grasps))
     if len(grasps) == 0:
         return room
-    lowest = float(grasps.tip.min()) + headroom
+    lowest, hands = float(grasps.tip.min()) + headroom, grasps.hands
     for miss_m in (0.5 * settings.preshape_m, settings.preshape_m):
         beside_m = miss_m + settings.clearance_m
-        (met,) = under_palm(grasps, grasps.opening[None], chart, lowest, gripper, beside_m)
+        (met,) = under_palm(hands, grasps.opening[None], chart, lowest, gripper, beside_m)
         room = np.where(met <= grasps.tip + headroom, miss_m, room)
     return room
 
 
 def under_palm(
-    grasps: GraspCandidates | OpenHands,
+    hands: FloatArray,
     openings: FloatArray,
     chart: HeightMap,
     least_m: float,
@@ -99,19 +100,12 @@ def under_palm(
     """Highest point (m, p) below the hand and `beside_m` around it, metres, if it is higher than `least_m`.
 
     What is lower is not in its way. The hand above its fingers is the palm and the fingers' roots, which lie farther
-    out the wider the fingers are open: each of p hands comes with m `openings` (m, p).
+    out the wider the fingers are open: each of p `hands`, rows of centre and closing axis, has m `openings` (m, p).
     """
-    middle = grasps.center
     beside_m += 0.5 * chart.cell_m
     across = 0.5 * gripper.hand_width_m + beside_m
     along = 0.5 * breadth_m(gripper, openings) + beside_m
-    hands = np.column_stack([middle, grasps.axis])
-    return kernels.under_palm(hands, chart.heights, _grid(chart), least_m, across, along)
-
-
-def _grid(chart: HeightMap) -> FloatArray:
-    """Where a map's cells begin, and their size (3,)."""
-    return np.append(chart.raster.origin, chart.cell_m)
+    return kernels.under_palm(hands, chart.heights, chart.tops, chart.grid, least_m, across, along)
 
 
 def _places(gripper: Gripper, width_m: float, cell_m: float) -> FloatArray:

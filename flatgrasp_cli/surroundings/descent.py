@@ -26,9 +26,6 @@ clearance over the table takes a third of it."""
 MARGINS = 4
 """Openings that are tried, from the one that is aimed at down to the least: by default 6 mm a side apart, less than a
 finger is thick."""
-RAISED = 4
-"""Heights of the fingertips, from where they should be up to a wall's top, that its lean is told for: what they miss by
-is a fraction of the grip as a rule."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,26 +42,6 @@ class _Upright:
     seen: FloatArray
     found: Walls
 
-    def lean(self, grasps: GraspCandidates, tip: FloatArray) -> FloatArray:
-        """Tangents (p, RAISED) of the angle by which the walls of pairs lean, over the lower half of the grip.
-
-        They are those for fingertips that end at `tip` (p,) and for such that end higher, by equal shares of the grip:
-        then walls lean at least as much, and by their highest points, for the mean height of an upright face that was
-        seen is half of its own.
-        """
-        first = self._lean(grasps, tip, of_crests=False)
-        higher = [tip + share * (self.wall - tip) for share in np.arange(1, RAISED) / RAISED]
-        others = (self._lean(grasps, each, of_crests=True) for each in higher)
-        return np.maximum.accumulate(np.stack([first, *others]), axis=0).T
-
-    def _lean(self, grasps: GraspCandidates, tip: FloatArray, *, of_crests: bool) -> FloatArray:
-        """The tangents (p,) for fingertips that end at `tip` (p,)."""
-        half = 0.5 * np.maximum(self.wall - tip, NOISE_M)
-        angles = [
-            np.arctan(self.found.recess(rows, tip + half, of_crests=of_crests) / half) for rows in (grasps.i, grasps.j)
-        ]
-        return np.asarray(np.tan(0.5 * np.add(*angles)))
-
 
 def descended(
     fingers: FingerCandidates, grasps: GraspCandidates, around: Relief, gripper: Gripper, funnel: Funnel
@@ -79,7 +56,7 @@ def descended(
     lowest = np.maximum(lowest, around.level_m - depth.slice_step_m)  # what lies deeper is for a lower slice
     headroom = gripper.finger_length_m - depth.palm_clearance_m
     openings = grasps.width + 2 * margins
-    palm = under_palm(grasps, openings, maps.coarse, float(lowest.min()) + headroom, gripper)
+    palm = under_palm(grasps.hands, openings, maps.coarse, float(lowest.min()) + headroom, gripper)
     tips = _tips(below, np.concatenate([palm, palm[:-1]]) - headroom, lowest, held, around)
     widest, choice = _widest(tips[:MARGINS]), _roomiest(tips)
     columns = np.arange(len(grasps))
@@ -104,7 +81,7 @@ def descended(
         margin=margins[widest, columns],
         unseen=unseen[choice, columns],
         touch=np.clip(held.seen, tip, np.maximum(held.wall, tip)),
-        lean=held.lean(grasps, tip),
+        lean=held.found.lean(np.stack([grasps.i, grasps.j]), tip, held.wall),
     ).select(kept)
     room = palm_room(grasps, maps.coarse, headroom, gripper, settings.hand)
     grasps = grasps.having(margin=np.minimum(grasps.margin, room), palm_room=room)

@@ -48,4 +48,4 @@ class OnSupport(Relief):
     def stopped(self, hands: OpenHands, gripper: Gripper, /) -> Stops:
         """What stands below the fingers and the palm of open hands."""
         found = stops(hands, self.maps.rest, self.maps.coarse, gripper)
-        return found._replace(dark=np.zeros(len(hands))) if self.settings.depth.unseen == "ignore" else found
+        return found._replace(dark=np.zeros(hands.tip.shape)) if self.settings.depth.unseen == "ignore" else found

@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.extents import extent_of, mean_of
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.geometry.principal_axes import main_axes, principal_axes
@@ -71,7 +72,7 @@ def box_across(
     """
     if len(points) < 3:
         return None
-    mean = points.mean(axis=0)
+    mean = mean_of(points)
     centred = np.ascontiguousarray((points - mean).T)
     axes = principal_axes(np.asarray(centred - np.outer(normal, normal @ centred)))
     if axes is None:
@@ -137,7 +138,7 @@ def hanging_m(whole: Place) -> float:
         return 0.0
     local, settings = whole.frame.to_local(whole.points), whole.surroundings.settings
     low = float(local[:, 2].min())
-    if low < settings.scene.min_size_m or float(np.ptp(local, axis=0).max()) > MOST_HANGING_M:
+    if low < settings.scene.min_size_m or float(extent_of(local).max()) > MOST_HANGING_M:
         return 0.0  # what lies no higher than a finger is thick may stand on something
     x, y = local[:, :2].T
     below = np.stack([x, y, np.full(len(local), 0.5 * low)])  # halfway, farthest from the noise of either

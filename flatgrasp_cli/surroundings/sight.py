@@ -17,10 +17,11 @@ from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.geometry.lines import fitted_lines
 from flatgrasp_cli.geometry.polygon import dot
 from flatgrasp_cli.kernels import flanks as kernels
+from flatgrasp_cli.kernels import walls
 from flatgrasp_cli.model import FingerCandidates
 from flatgrasp_cli.surroundings.envelope import Envelope
 from flatgrasp_cli.surroundings.maps import NOISE_M, HeightMaps
-from flatgrasp_cli.surroundings.walls import ALONG_PAD, LEAST_SLOPE, pad_places
+from flatgrasp_cli.surroundings.walls import ALONG_PAD, LEAST_SLOPE, chords_of, pad_places
 
 FAR_M = 0.04
 """How far inward and outward from a chord is looked, metres: half of the widest thing that hands span."""
@@ -88,11 +89,11 @@ def _places(chart: HeightMap) -> FloatArray:
 
 def _profile(fingers: FingerCandidates, maps: HeightMaps, inward: FloatArray) -> FloatArray:
     """Highest points (d, m) of the object at the distances `inward` (d,) from each chord, the mean along the pad."""
-    places = pad_places(fingers, inward, ALONG_PAD)
-    known = np.isfinite(maps.surface.over(*places))
-    count = known.sum(axis=1)
-    total = np.where(known, maps.highest.over(*places), 0.0).sum(axis=1)
-    return np.where(count > 0, total / np.maximum(count, 1), np.nan)
+    surface, highest = maps.surface, maps.highest
+    found: FloatArray = walls.profile(
+        chords_of(fingers), inward, ALONG_PAD, surface.heights, highest.heights, surface.grid
+    )
+    return found
 
 
 def _flank(inward: FloatArray, heights: FloatArray, slope: FloatArray) -> FloatArray:
@@ -105,7 +106,7 @@ def _flank(inward: FloatArray, heights: FloatArray, slope: FloatArray) -> FloatA
     within the heights' noise. Behind its top an ellipse falls again or, if it is broad enough, goes over into a level.
     """
     uneven = NOISE_M**2 / len(ALONG_PAD)
-    return kernels.going_on(inward, np.ascontiguousarray(heights), slope, LIMB_M, uneven)
+    return kernels.going_on(inward, heights, slope, LIMB_M, uneven)
 
 
 def _with_neighbours(fingers: FingerCandidates, extent: FloatArray) -> FloatArray:

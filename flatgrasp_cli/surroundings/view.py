@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
 from flatgrasp_cli.geometry.frames import Frame
+from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.geometry.range_image import RangeImage
+from flatgrasp_cli.kernels import sight as kernels
 from flatgrasp_cli.model import Floor
 
+NOTHING = HeightMap.of(np.empty((0, 3)), 1.0)
+"""A map of nothing that was seen."""
 
-@dataclass(frozen=True, slots=True, eq=False)
+
+@dataclass(frozen=True, eq=False)
 class View:
     """How far the sensor's rays got: `image` holds those that met something above the support plane, in `frame`.
 
@@ -41,13 +47,31 @@ class View:
         """
         if self.image is None:
             return np.zeros(columns.shape[1], dtype=np.bool_)
-        columns = self._in_the_image(columns)
-        nearest, ranges = self.image.nearest(columns)
-        margin = 2 * self.image.pixels.cell_m * ranges if margin_m is None else margin_m
-        hidden = np.asarray(nearest < ranges - margin)
-        through = np.flatnonzero(np.isinf(nearest))
-        hidden[through] = ~self._met_floor(columns.take(through, axis=1), self.image.viewpoint)
-        return hidden
+        behind = [0.0, 2 * self.image.pixels.cell_m] if margin_m is None else [margin_m, 0.0]
+        found: BoolArray = kernels.hidden(columns, *self._rays, np.array(behind))
+        return found
+
+    @cached_property
+    def _rays(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Eye, pixels and ranges of the image, and place, cells and levels of the floor, in the frame of what is asked.
+
+        Where no floor was seen there is a single cell of it, with nothing in it.
+        """
+        assert self.image is not None  # noqa: S101 (asked only where there is one)
+        eye = np.vstack([self.image.viewpoint, self.image.axes])
+        floor = self.floor or Floor(self.frame, NOTHING, 1.0)
+        turn = floor.frame.axes @ self.frame.axes.T
+        ground = np.vstack([self.frame.to_local(floor.frame.origin), turn])
+        if self.asked is not None:
+            eye, ground = (self._asked(rows) for rows in (eye, ground))
+        grid = np.append(self.image.pixels.origin, self.image.pixels.cell_m)
+        return eye, grid, self.image.ranges, ground, floor.levels.grid, floor.levels.heights
+
+    def _asked(self, rows: FloatArray) -> FloatArray:
+        """A place and axes, rows (4, 3), in the frame that is asked about."""
+        assert self.asked is not None  # noqa: S101
+        place = self.asked.to_local(self.frame.to_world(rows[0]))
+        return np.vstack([place, rows[1:] @ (self.frame.axes @ self.asked.axes.T)])
 
     def shadowed(self, columns: FloatArray) -> BoolArray:
         """Which points, columns (3, n), lie on rays that met the object itself."""
@@ -62,16 +86,3 @@ class View:
             return columns
         turn = self.frame.axes @ self.asked.axes.T
         return np.asarray(turn @ columns + self.frame.to_local(self.asked.origin)[:, None])
-
-    def _met_floor(self, columns: FloatArray, viewpoint: FloatArray) -> BoolArray:
-        """Whether the rays from `viewpoint` (3,) through points, columns (3, n), end where the plane was seen."""
-        if self.floor is None or columns.shape[1] == 0:
-            return np.zeros(columns.shape[1], dtype=np.bool_)
-        turn = self.floor.frame.axes @ self.frame.axes.T
-        origin = self.floor.frame.to_local(self.frame.origin)
-        x, y, z = turn @ columns + origin[:, None]
-        sensor_x, sensor_y, sensor_z = turn @ viewpoint + origin
-        fall = sensor_z - z
-        share = sensor_z / np.where(fall > 0, fall, 1.0)
-        levels = self.floor.levels.over(sensor_x + share * (x - sensor_x), sensor_y + share * (y - sensor_y))
-        return np.asarray(np.isfinite(levels) & (fall > 0))

@@ -9,7 +9,9 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.geometry.lines import fitted_lines
+from flatgrasp_cli.kernels import walls as kernels
 from flatgrasp_cli.model import FingerCandidates
+from flatgrasp_cli.surroundings.maps import NOISE_M
 
 INWARD_M = np.array([0.001, 0.002, 0.003, 0.004, 0.005, 0.007, 0.009])
 """Distances from a chord inward, metres, at which heights tell whether the pad rests on a wall or on a flank: close
@@ -21,33 +23,38 @@ LEAST_SLOPE = 0.5
 """A surface that rises less steeply than this, height over breadth (27°), is the object's top."""
 ALONG_PAD = np.array([-0.4, -0.2, 0.0, 0.2, 0.4])
 """Places along a pad, in widths of it: the ends are left out, for the silhouette bends away there."""
+RAISED = 4
+"""Heights of the fingertips, from where they should be up to a wall's top, that its lean is told for: what they miss by
+is a fraction of the grip as a rule."""
 
 
 class Walls(NamedTuple):
     """What pads rest on at m finger candidates: heights (m,) over the plane, metres.
 
     `top` is the median over the places along the pad, `boundary` the mean of what was seen at the boundary, and `flank`
-    how much of the wall's height is only a flank. `profile` (distances, m) are the heights at `INWARD_M`, the median
-    along the pad, and `crests` the same of the highest points.
+    how much of the wall's height is only a flank. `profiles` (2, distances, m) are the heights at `INWARD_M`, medians
+    along the pad, and the same of the highest points.
     """
 
     top: FloatArray
     boundary: FloatArray
     flank: FloatArray
-    profile: FloatArray
-    crests: FloatArray
+    profiles: FloatArray
 
-    def recess(self, rows: IntArray, levels: FloatArray, *, of_crests: bool = False) -> FloatArray:
-        """How far (p,) inward from the boundary the walls of the candidates `rows` (p,) come up to `levels` (p,).
+    def lean(self, pairs: IntArray, tip: FloatArray, top: FloatArray) -> FloatArray:
+        """Tangents (p, RAISED) of the angle by which the walls of `pairs` (2, p) lean, over the lower half of the grip.
 
-        Metres, from the first place that heights are known at; those that never do begin behind the last.
+        They are those for fingertips that end at `tip` (p,), below the walls' `top` (p,), and for such that end higher,
+        by equal shares of the grip: then walls lean at least as much, and by their highest points, for the mean height
+        of an upright face that was seen is half of its own.
         """
-        profile = (self.crests if of_crests else self.profile)[:, rows]
-        above = np.where((profile >= levels).any(axis=0), (profile >= levels).argmax(axis=0), len(INWARD_M) - 1)
-        below, columns = np.maximum(above - 1, 0), np.arange(len(rows))
-        low, high = profile[below, columns], profile[above, columns]
-        share = ((levels - low) / np.where(high > low, high - low, 1.0)).clip(0.0, 1.0)
-        return np.asarray(INWARD_M[below] + share * (INWARD_M[above] - INWARD_M[below]) - INWARD_M[0])
+        found: FloatArray = kernels.leans(self.profiles, INWARD_M, pairs, tip, top, RAISED, NOISE_M)
+        return found
+
+
+def chords_of(fingers: FingerCandidates) -> FloatArray:
+    """The candidates' chords (m, 6): the middle, the way along it and the way inward."""
+    return np.column_stack([fingers.contact, fingers.end - fingers.start, fingers.direction])
 
 
 def pad_places(fingers: FingerCandidates, inward: FloatArray, along: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -79,24 +86,11 @@ def walls(fingers: FingerCandidates, surface: HeightMap, highest: HeightMap, lev
     What rises inward less steeply than 1/μ is a flank, and only its height at the boundary is a wall. The slope is that
     of the `highest` points, for the mean height of an upright face is half of its own.
     """
-    places = pad_places(fingers, INWARD_M, ALONG_PAD)
-    heights, highest_there = surface.over(*places), highest.over(*places)  # (distances, places, m)
-    known = np.isfinite(heights)
-    tops = heights[:WALL_PLACES].max(axis=0)
-    top = np.sort(np.where(np.isfinite(tops), tops, level_m), axis=0)[len(ALONG_PAD) // 2]
-    near, count = heights[:WALL_PLACES], known[:WALL_PLACES].sum(axis=(0, 1))
-    total = np.where(known[:WALL_PLACES], near, 0.0).sum(axis=(0, 1))
-    boundary = np.where(count > 0, total / np.maximum(count, 1), level_m)
-    counts, totals = known.sum(axis=1), np.where(known, highest_there, 0.0).sum(axis=1)
-    _, slope = fitted_lines(INWARD_M, np.where(counts > 0, totals / np.maximum(counts, 1), np.nan).T)
+    maps = ALONG_PAD, surface.heights, highest.heights, surface.grid
+    chords = chords_of(fingers)
+    (top, boundary), profiles = kernels.faces(chords, INWARD_M, *maps, level_m, WALL_PLACES)
+    _, slope = fitted_lines(INWARD_M, kernels.profile(chords, INWARD_M, *maps).T)
     flank = (slope > LEAST_SLOPE) & (slope < 1 / friction)
-    profile, crests = (
-        np.sort(np.where(known, each, 0.0), axis=1)[:, len(ALONG_PAD) // 2] for each in (heights, highest_there)
-    )
     return Walls(
-        top=top,
-        boundary=boundary,
-        flank=np.where(flank, slope * INWARD_M[WALL_PLACES - 1], 0.0),
-        profile=profile,
-        crests=crests,
+        top=top, boundary=boundary, flank=np.where(flank, slope * INWARD_M[WALL_PLACES - 1], 0.0), profiles=profiles
     )

@@ -37,10 +37,12 @@ def test_compiled_and_as_written_they_find_the_same(seed: int) -> None:
     assert np.array_equal(below.under_fingers(*fingers), twin.under_fingers(*fingers))
     tips = (where, FINGERS, np.array([0.002, 0.006]), rest, GRID)
     assert np.array_equal(below.under_tips(*tips), twin.under_tips(*tips))
-    palm = (np.ascontiguousarray(where[:, :4]), highest, GRID, 0.05, 0.03, rng.uniform(0, 0.05, (2, 4)))
-    found = below.under_palm(*palm)
-    assert np.array_equal(found, twin.under_palm(*palm))
-    assert np.array_equal(found, plain_palm(*palm))
+    tops = below.tops(highest)
+    assert np.array_equal(tops, twin.tops(highest))
+    palm = (GRID, 0.05, 0.03, rng.uniform(0, 0.05, (2, 4)))
+    found = below.under_palm(where, highest, tops, *palm)
+    assert np.array_equal(found, twin.under_palm(where, highest, tops, *palm))
+    assert np.array_equal(found, plain_palm(where, highest, *palm))
 
 
 def plain_palm(
@@ -49,7 +51,7 @@ def plain_palm(
     """The highest of all cells below each palm."""
     x, y = (grid[axis] + grid[2] * (np.arange(heights.shape[axis]) + 0.5) for axis in (0, 1))
     found = np.full(along.shape, -np.inf)
-    for hand, (cx, cy, ux, uy) in enumerate(hands):
+    for hand, (cx, cy, ux, uy, _) in enumerate(hands):
         dx, dy = x[:, None] - cx, y - cy
         beside = (np.abs(dy * ux - dx * uy) <= across) & (heights > least)
         for row, reach in enumerate(along[:, hand]):

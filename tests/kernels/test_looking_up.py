@@ -25,3 +25,11 @@ def test_compiled_and_as_written_they_find_the_same(seed: int) -> None:
     column = np.clip((y - raster.origin[1]) / raster.cell_m, 0, 6).astype(np.intp)
     assert np.array_equal(cells, 7 * row + column)
     assert np.array_equal(looking_up.over(values, *where), values[row, column])
+    levels = rng.uniform(-1, 2, 30)
+    for name, extreme in (("raised", np.maximum), ("lowered", np.minimum)):
+        found, again, plain = values.copy(), values.copy(), values.copy()
+        getattr(looking_up, name)(found, x, y, levels, raster.origin, raster.cell_m)
+        getattr(twin, name)(again, x, y, levels, raster.origin, raster.cell_m)
+        extreme.at(plain.reshape(-1), cells, levels)
+        assert np.array_equal(found, again)
+        assert np.array_equal(found, plain)

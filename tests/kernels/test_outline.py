@@ -31,6 +31,12 @@ def test_compiled_and_as_written_they_are_the_same(seed: int, radius: float) -> 
     segments = (*region, points, np.roll(points, 1, axis=0) - points)
     assert np.array_equal(outline.shares_inside(*segments), twin.shares_inside(*segments))
     assert outline.chord_walk(loop, arc, radius) == pytest.approx(twin.chord_walk(loop, arc, radius), rel=1e-12)
+    assert arc == pytest.approx(twin.arc_lengths(loop), rel=1e-12)
+    positions = np.concatenate([rng.uniform(-arc[-1], 2 * arc[-1], 10), arc])
+    places, (x, y) = outline.places(loop, arc, positions), np.concatenate([loop, loop[:1]]).T
+    assert np.array_equal(places, twin.places(loop, arc, positions))
+    where = np.mod(positions, arc[-1])
+    assert places == pytest.approx(np.column_stack([np.interp(where, arc, x), np.interp(where, arc, y)]), abs=1e-12)
     positions = np.append(rng.uniform(0, arc[-1], 10), arc[:-1])
     exits = (loop, arc, positions, polygon.points_at(loop, positions), np.full(len(positions), radius))
     assert outline.circle_exits(*exits) == pytest.approx(twin.circle_exits(*exits), rel=1e-12, nan_ok=True)

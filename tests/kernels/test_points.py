@@ -32,6 +32,17 @@ def test_they_are_those_of_the_definitions(seed: int) -> None:
     with np.errstate(invalid="ignore"):
         close = np.linalg.norm(some - high, axis=1) < 0.9
     assert points.near(some, high, 0.9).tolist() == np.flatnonzero(close).tolist()
+    filled = np.empty(len(some), dtype=np.bool_)
+    for kind in (np.float64, np.float32):
+        x, y, z = columns = np.asarray(0.5 * some, dtype=kind).T
+        kept = points.measured(x, y, z, 2.0, 1e4, filled.view(np.uint8))
+        assert filled.tolist() == (~lost).tolist()
+        assert np.array_equal(kept, 2.0 * columns.T[~lost].astype(np.float64))
+    inside = ((some > low) & (some < high)).all(axis=1)
+    assert points.between(some, low, high).tolist() == np.flatnonzero(inside).tolist()
+    good = np.nan_to_num(some, nan=0.1, posinf=0.2, neginf=-0.2)
+    assert np.array_equal(points.mean(good), good.mean(axis=0))
+    assert np.array_equal(points.bounds(good), [good.min(axis=0), good.max(axis=0)])
 
 
 @given(seed=st.integers(0, 999))
@@ -40,8 +51,17 @@ def test_compiled_and_as_written_they_are_the_same(seed: int) -> None:
     some, twin = cloud(seed), interpreted("points")
     low, high = np.array([-0.8, -0.7, -0.6]), np.array([0.9, 0.8, 0.7])
     assert np.array_equal(points.not_measured(some, 1e4), twin.not_measured(some, 1e4))
+    filled, again = np.empty((2, len(some)), dtype=np.uint8)
+    x, y, z = some.T
+    kept = points.measured(x, y, z, 1.0, 1e4, filled), twin.measured(x, y, z, 1.0, 1e4, again)
+    assert np.array_equal(*kept)
+    assert np.array_equal(filled, again)
     assert np.array_equal(points.outside(some, low, high), twin.outside(some, low, high))
     assert np.array_equal(points.near(some, low, 0.9), twin.near(some, low, 0.9))
+    assert np.array_equal(points.between(some, low, high), twin.between(some, low, high))
+    good = np.nan_to_num(some, nan=0.1, posinf=0.2, neginf=-0.2)
+    assert np.array_equal(points.mean(good), twin.mean(good))
+    assert np.array_equal(points.bounds(good), twin.bounds(good))
 
 
 def test_nobody_has_to_own_the_points() -> None:

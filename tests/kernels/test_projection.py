@@ -24,3 +24,6 @@ def test_compiled_and_as_written_they_are_the_same(seed: int) -> None:
     assert np.isinf(image[0]).tolist() == (~ahead).tolist()
     assert image[:2, ahead] == pytest.approx((local[ahead, :2] / local[ahead, 2:]).T, rel=1e-9)
     assert image[2] == pytest.approx(np.linalg.norm(local, axis=1), rel=1e-12)
+    turned = projection.turned(points, origin, axes)
+    assert np.array_equal(turned, twin.turned(points, origin, axes))
+    assert turned == pytest.approx(local.T, abs=1e-12)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -27,6 +28,26 @@ def test_compiled_and_as_written_they_come_to_the_same(seed: int, alone: bool) -
     assert (np.diff(found, axis=1) <= 1e-12).all()  # what has failed does not come back
     need = rng.uniform(0, 1, 9)
     assert np.array_equal(trial.suffices(need, 0.5, 0.4), interpreted("trial").suffices(need, 0.5, 0.4))
+
+
+@given(seed=st.integers(0, 999))
+def test_hands_that_miss_and_what_pulls_beside_them(seed: int) -> None:
+    rng, twin = np.random.default_rng(seed), interpreted("trial")
+    turn, yaw = rng.uniform(0, 2 * np.pi, 3), rng.normal(size=4)
+    grasps = np.column_stack([rng.normal(size=(3, 2)), np.cos(turn), np.sin(turn), rng.random(3)])
+    misses = np.column_stack([rng.normal(size=(4, 2)), np.cos(yaw), np.sin(yaw)])
+    hands = trial.moved(grasps, misses)
+    assert np.array_equal(hands, twin.moved(grasps, misses))
+    assert hands[2, 1, :2] == pytest.approx(
+        grasps[2, :2]
+        + misses[1] @ [[-np.sin(turn[2]), np.cos(turn[2])], [np.cos(turn[2]), np.sin(turn[2])], [0, 0], [0, 0]]
+    )
+    assert np.arctan2(*hands[2, 1, 3:1:-1]) == pytest.approx(
+        np.arctan2(np.sin(turn[2] + yaw[1]), np.cos(turn[2] + yaw[1]))
+    )
+    load = (rng.normal(size=(4, 2)), np.zeros(2), rng.normal(size=3), np.array([0.0, 0.0, -1.0]))
+    for found, other in zip(trial.arms(hands, *load), twin.arms(hands, *load), strict=True):
+        assert np.array_equal(found, other)
 
 
 def test_a_known_friction_is_there_or_not() -> None:

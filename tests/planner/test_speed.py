@@ -26,7 +26,7 @@ from flatgrasp_cli.geometry.alpha_shape import alpha_region
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 from flatgrasp_cli.geometry.sampling import spread_indices
-from flatgrasp_cli.model import Grasp, GraspCandidates
+from flatgrasp_cli.model import Grasp
 from flatgrasp_cli.planner import silhouette
 from flatgrasp_cli.planning.answers import Search
 from flatgrasp_cli.profiles import Gripper
@@ -114,15 +114,15 @@ def test_the_spacing_is_that_of_the_six_nearest_neighbours() -> None:
 
 
 def plain_palm(
-    grasps: GraspCandidates, openings: FloatArray, chart: HeightMap, least_m: float, gripper: Gripper
+    hands: FloatArray, openings: FloatArray, chart: HeightMap, least_m: float, gripper: Gripper
 ) -> FloatArray:
     """The highest cell under each hand at each of its openings, one by one and cell by cell."""
-    highest, axis = np.full(openings.shape, UNSEEN), grasps.axis
+    highest, center, axis = np.full(openings.shape, UNSEEN), hands[:, :2], hands[:, 2:4]
     for (m, k), opening in np.ndenumerate(openings):
         breadth = max(gripper.palm_m, opening + 2 * gripper.root_m)
         half = 0.5 * (np.array([gripper.hand_width_m, breadth]) + chart.cell_m)
         for x, y, height in chart.higher_than(least_m):
-            away = np.array([x, y]) - grasps.center[k]
+            away = np.array([x, y]) - center[k]
             if abs(away @ [-axis[k][1], axis[k][0]]) <= half[0] and abs(away @ axis[k]) <= half[1]:
                 highest[m, k] = max(highest[m, k], height)
     return highest

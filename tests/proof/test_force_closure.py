@@ -116,13 +116,6 @@ def test_epsilon_turns_with_the_object(seed: int, angle: float) -> None:
     assert after == pytest.approx(before, abs=1e-9)
 
 
-def test_many_grasps_are_worked_on_in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
-    contacts, normals = random_grasps(7)
-    whole = point_quality(contacts, normals, 0.5, ORIGIN)
-    monkeypatch.setattr("flatgrasp_cli.proof.force_closure.MOST_ROWS", 3)
-    assert point_quality(contacts, normals, 0.5, ORIGIN).tolist() == whole.tolist()
-
-
 def test_the_reference_is_the_centre_of_area_and_the_largest_radius() -> None:
     reference = reference_of([np.array([[0.0, 0.0], [6.0, 0.0], [6.0, 8.0], [0.0, 8.0]])])
     assert reference.point == pytest.approx([3.0, 4.0])

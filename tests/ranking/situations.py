@@ -47,7 +47,7 @@ class Around:
         return np.array(self.fall)
 
     def stopped(self, hands: OpenHands, _gripper: Gripper, /) -> Stops:
-        return Stops(np.full(len(hands), self.height_m), np.full(len(hands), self.dark))
+        return Stops(np.full(hands.tip.shape, self.height_m), np.full(hands.tip.shape, self.dark))
 
     def __getattr__(self, name: str) -> Any:  # the method asks for more, ranking does not
         raise AssertionError(name)

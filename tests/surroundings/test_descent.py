@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +13,6 @@ from flatgrasp_cli.model import Grasp, ObjectPlan
 from flatgrasp_cli.planning import plan_object
 from flatgrasp_cli.ranking import TIE
 from flatgrasp_cli.surroundings.below import fingers_meet, under_fingers, under_palm
-from flatgrasp_cli.surroundings.descent import _Upright
 from tests.by_hand import MM, Relief, across, bar, on_table
 from tests.conftest import holds
 
@@ -168,20 +165,11 @@ class TestUnderFingers:
         assert fingers_meet(0.001, 30 * MM, others_mm * MM).cause == cause
 
 
-def test_leans_are_told_for_fingertips_a_quarter_of_the_grip_higher_each() -> None:
-    """Of walls 40 mm high that recede by a tenth of the height: over the lower half of what is left of the grip."""
-    walls: Any = SimpleNamespace(recess=lambda _rows, height, **_: 0.1 * height)
-    height, table = np.array([40 * MM]), np.zeros(1)
-    held = _Upright(wall=height, firm=height, need=table, seen=table, found=walls)
-    _, grasps = across([0.04])
-    assert held.lean(grasps, table) == pytest.approx(np.array([[2 / 20, 2.5 / 15, 3 / 10, 3.5 / 5]]))
-
-
 @pytest.mark.parametrize(("aside_m", "met"), [(0.01, True), (0.02, True), (0.03, False)])
 def test_the_palm_meets_what_lies_below_it_and_half_a_cell_beside(aside_m: float, met: bool) -> None:
     """A PR2's is 52 mm wide across the closing axis."""
     post = HeightMap.of(np.array([[aside_m, 0.0, 0.1], [0.2, 0.2, 0.0], [-0.2, -0.2, 0.0]]), 5 * MM)
-    highest = under_palm(across([0.04])[1], np.zeros((1, 1)), post, 0.05, PR2)
+    highest = under_palm(np.array([[0.0, 0.0, 0.0, 1.0]]), np.zeros((1, 1)), post, 0.05, PR2)
     assert np.isfinite(highest[0, 0]) == met
 
 
@@ -190,7 +178,7 @@ def test_the_roots_of_open_fingers_meet_what_the_palm_does_not(opening_mm: float
     """Of a hand with a palm 101 mm long, and fingers 37 mm thick at their roots: 80 mm open they reach 77 mm aside."""
     hand = PR2.model_copy(update={"palm_m": 0.101, "finger_root_m": 0.037})
     post = HeightMap.of(np.array([[0.0, 0.065, 0.1], [0.2, 0.2, 0.0], [-0.2, -0.2, 0.0]]), 5 * MM)
-    highest = under_palm(across([0.04])[1], np.array([[opening_mm * MM]]), post, 0.05, hand)
+    highest = under_palm(np.array([[0.0, 0.0, 0.0, 1.0]]), np.array([[opening_mm * MM]]), post, 0.05, hand)
     assert np.isfinite(highest[0, 0]) == met
 
 

@@ -57,6 +57,16 @@ def test_what_rises_by_half_to_one_over_friction_is_a_flank_for_5_mm(rise: float
     assert slope.flank[0] == pytest.approx(flank_mm * MM, rel=0.05)
 
 
+def test_leans_are_told_for_fingertips_a_quarter_of_the_grip_higher_each() -> None:
+    """Of two walls that rise by 5 mm a millimetre, from 1 mm inward on: over the lower half of what is left of it.
+
+    Up to 40 mm, of grips of 40, 30, 20 and 10 mm, those halves end at 20, 25, 30 and 35 mm.
+    """
+    rising = found(lambda _x, y: 5 * y)
+    leans = rising.lean(np.zeros((2, 1), dtype=np.intp), np.zeros(1), np.array([40 * MM]))
+    assert leans == pytest.approx(np.array([[3 / 20, 4 / 15, 5 / 10, 6 / 5]]), rel=0.1)
+
+
 class TestUpright:
     @staticmethod
     def stands(below_mm: Relief) -> bool:

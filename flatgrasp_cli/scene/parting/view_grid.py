@@ -10,8 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.extents import mean_of
 from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.kernels import view as kernels
+from flatgrasp_cli.kernels.projection import turned
 from flatgrasp_cli.scene.support_plane import NEAREST_M, SIGMAS
 from flatgrasp_cli.surroundings.sight import LOST_DEG
 
@@ -124,10 +126,10 @@ def image_of(points: FloatArray, viewpoint: FloatArray) -> tuple[FloatArray, Flo
 
     The line of sight goes to the middle of the points.
     """
-    sight = points.mean(axis=0) - viewpoint
+    sight = mean_of(points) - viewpoint
     sight /= max(float(np.linalg.norm(sight)), 1e-9)
     across = np.cross(np.eye(3)[int(np.argmin(np.abs(sight)))], sight)
     across /= np.linalg.norm(across)
-    local = np.stack([across, np.cross(sight, across), sight]) @ (points - viewpoint).T
-    ahead = np.maximum(local[2], NEAREST_M)  # of points beside or behind the viewpoint there is no image
-    return local[0] / ahead, local[1] / ahead, local[2]
+    x, y, depth = turned(points, viewpoint, np.stack([across, np.cross(sight, across), sight]))
+    ahead = np.maximum(depth, NEAREST_M)  # of points beside or behind the viewpoint there is no image
+    return x / ahead, y / ahead, depth

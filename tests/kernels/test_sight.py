@@ -1,0 +1,42 @@
+"""Rays through places: compiled, as written, and where they end worked out by hand."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from flatgrasp_cli.geometry.frames import frame_on_plane
+from flatgrasp_cli.kernels import sight
+from tests.kernels.interpreted import interpreted
+
+PIXELS, CELLS = np.array([-0.5, -0.5, 0.1]), np.array([-1.0, -1.0, 0.2])
+EYE = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]])
+GROUND = np.vstack([np.zeros(3), np.eye(3)])
+
+
+@given(seed=st.integers(0, 999))
+def test_compiled_and_as_written_they_are_the_same(seed: int) -> None:
+    rng, twin = np.random.default_rng(seed), interpreted("sight")
+    eye = np.vstack([rng.normal(size=3), frame_on_plane(*tilted(rng)).axes])
+    ground = np.vstack([0.1 * rng.normal(size=3), frame_on_plane(*tilted(rng)).axes])
+    ranges, levels = rng.uniform(0.5, 3.0, (10, 10)), np.zeros((10, 10))
+    ranges[rng.random((10, 10)) < 0.4], levels[rng.random((10, 10)) < 0.5] = np.inf, -np.inf
+    places = rng.uniform(-1, 1, (3, 30))
+    asked = (places, eye, PIXELS, ranges, ground, CELLS, levels, np.array([0.01, 0.02]))
+    assert np.array_equal(sight.hidden(*asked), twin.hidden(*asked))
+
+
+def tilted(rng: np.random.Generator) -> tuple[np.ndarray, float]:
+    """A plane through the origin."""
+    normal = rng.normal(size=3)
+    return normal / np.linalg.norm(normal), 0.0
+
+
+def test_from_a_metre_above_a_floor_of_which_one_half_was_seen() -> None:
+    """What is met at 0.6 m hides what is farther; elsewhere places are seen that rays pass on to the floor's x > 0."""
+    ranges, levels = np.full((10, 10), np.inf), np.zeros((10, 10))
+    ranges[4:6, 4:6], levels[:5] = 0.6, -np.inf
+    places = np.array([[0.0, 0.0, 0.3], [0.0, 0.0, 0.5], [0.2, 0.2, 0.2], [-0.2, 0.2, 0.2], [0.3, 0.0, 1.2]]).T
+    found = sight.hidden(places, EYE, PIXELS, ranges, GROUND, CELLS, levels, np.array([0.01, 0.0]))
+    assert found.tolist() == [True, False, False, True, True]
