@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -15,6 +16,7 @@ from flatgrasp_cli.surroundings import (
     Direction,
     Tilted,
     asked_of,
+    beside,
     box_across,
     box_on,
     directions,
@@ -49,18 +51,16 @@ def answer_for(cloud: ObjectCloud, search: Search) -> Answer:
 def _from_any_side(search: Search, tilted: Tilted, box: OrientedBox, found: list[Answer]) -> Answer:
     """The best answer for hands that come from any side, the one for straight down among them if that was `found`.
 
-    Directions are tried one after the other until one is enough. If none leaves a grasp, it is the nearest
-    miss that says why.
+    Directions are tried one after the other until one is enough. If none is, those beside the best one are tried, too;
+    if none leaves a grasp, it is the nearest miss that says why.
     """
     cloud, settings = tilted.cloud, search.settings
     own = oriented_box(cloud.points, cloud.toward, settings.main_plane.method)
     most_m3 = found[0].shape.volume_m3 if found and found[0].shape else np.inf
-    best = found[0] if found else None
-    for direction in directions(cloud, box.frame.axes[0], own, settings.approach):
-        answer = _from(search, tilted, direction, most_m3)
-        best = search.better(best, answer) if best and answer else best or answer
-        if best is not None and settings.approach.directions == "auto" and search.is_enough(best):
-            break
+    ways = directions(cloud, box.frame.axes[0], own, settings.approach)
+    best = _best_of(search, tilted, ways, found[0] if found else None, most_m3)
+    if best is not None and best.direction is not None and not search.is_enough(best):
+        best = _best_of(search, tilted, beside(best.direction, cloud, settings.approach), best, most_m3)
     if best is None:
         return _nothing("palm_room", "from no direction that was asked for has the palm room over the object")
     if not found or best is found[0]:
@@ -68,6 +68,18 @@ def _from_any_side(search: Search, tilted: Tilted, box: OrientedBox, found: list
     if not best.is_served and found[0].grasps is not None:
         return found[0]  # the arm gets to none of them: people look for those from straight above
     return replace(best, why_not_top=search.shortcoming(found[0])) if best.grasps else _nearest(found[0], best, cloud)
+
+
+def _best_of(
+    search: Search, tilted: Tilted, ways: Iterable[Direction], best: Answer | None, most_m3: float
+) -> Answer | None:
+    """The best of an answer and those for hands that come some `ways`, as far as they are tried."""
+    for direction in ways:
+        answer = _from(search, tilted, direction, most_m3)
+        best = search.better(best, answer) if best and answer else best or answer
+        if best is not None and search.settings.approach.directions == "auto" and search.is_enough(best):
+            break
+    return best
 
 
 def _nearest(top: Answer, aslant: Answer, cloud: ObjectCloud) -> Answer:

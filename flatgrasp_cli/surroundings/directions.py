@@ -61,11 +61,31 @@ def _all_around(
     if cloud.viewpoint is not None:
         first.append(Direction(_unit(cloud.viewpoint - mean_of(cloud.points)), "view"))
     yield from (each for each in first if SAME_DEG < tilt_deg(each.toward, normal) <= settings.max_tilt_deg)
-    turned = np.cross(normal, across)
     turns = 2 * np.pi * np.arange(settings.around) / settings.around
     for tilt in np.radians([each for each in settings.tilts_deg if each <= settings.max_tilt_deg]):
-        sides = [np.cos(turn) * across + np.sin(turn) * turned for turn in turns]
-        yield from (Direction(np.cos(tilt) * normal + np.sin(tilt) * side, "tilt") for side in sides)
+        yield from (_tilted(normal, across, float(tilt), float(turn)) for turn in turns)
+
+
+def beside(direction: Direction, cloud: ObjectCloud, settings: ApproachSettings) -> Iterator[Direction]:
+    """The directions around one that was nearly enough, halfway to those that were tried beside it.
+
+    Of a search that was told its directions there are none.
+    """
+    if cloud.support is None or settings.directions not in ("auto", "any"):
+        return
+    normal = cloud.support.normal
+    tilt = np.radians(tilt_deg(direction.toward, normal))
+    side = _unit(direction.toward - (direction.toward @ normal) * normal)
+    for turn in np.pi / settings.around * np.array([0.0, 1.0, -1.0]):
+        for share in (1.0, np.sqrt(0.5), np.sqrt(2.0)):  # tilts double from one to the next
+            if (turn != 0 or share != 1) and share * tilt <= np.radians(settings.max_tilt_deg):
+                yield _tilted(normal, side, float(share * tilt), float(turn))
+
+
+def _tilted(normal: FloatArray, side: FloatArray, tilt: float, turn: float) -> Direction:
+    """The direction tilted from the plane's `normal` (3,) toward a `side` (3,) of the plane, turned; radians."""
+    level = np.cos(turn) * side + np.sin(turn) * np.cross(normal, side)
+    return Direction(np.cos(tilt) * normal + np.sin(tilt) * level, "tilt")
 
 
 def tilt_deg(toward: FloatArray, normal: FloatArray) -> float:

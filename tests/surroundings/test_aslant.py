@@ -14,7 +14,7 @@ from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.model import ObjectCloud, OrientedBox, SupportPlane
 from flatgrasp_cli.scene import segment
-from flatgrasp_cli.surroundings import Aslant, Direction, Tilted, directions, tilt_deg
+from flatgrasp_cli.surroundings import Aslant, Direction, Tilted, beside, directions, tilt_deg
 from tests.conftest import MM, TABLE, Box, Camera, Tube
 from tests.scene.test_heaps import distance, walls
 from tests.surroundings.on_a_table import hand_in
@@ -79,6 +79,22 @@ class TestDirections:
         assert len(found) == 16
         assert max(tilt_deg(each.toward, UP) for each in found) == pytest.approx(30)
 
+    def test_beside_one_are_those_halfway_to_its_neighbours(self) -> None:
+        one = self.around()[8 + 2]  # 15 degrees, a quarter of a turn from the side
+        found = list(beside(one, self.ITEM, SETTINGS.approach))
+        assert len(found) == 8
+        tilts = [tilt_deg(each.toward, UP) for each in found]
+        assert sorted({round(each, 1) for each in tilts}) == [10.6, 15.0, 21.2]
+        level = np.array([each.toward[:2] / np.linalg.norm(each.toward[:2]) for each in found])
+        turns = np.degrees(np.arccos(np.clip(level @ [-0.8, 0.6], -1, 1)))
+        assert turns == pytest.approx([0, 0, *[22.5] * 6], abs=1e-6)
+        flat = self.around()[-1]
+        assert max(tilt_deg(each.toward, UP) for each in beside(flat, self.ITEM, SETTINGS.approach)) <= 90 + 1e-6
+
+    def test_of_what_was_asked_for_there_are_none_beside(self) -> None:
+        given = SETTINGS.approach.model_copy(update={"directions": (0.0, 0.6, -0.8)})
+        assert list(beside(Direction(np.array([0.0, -0.6, 0.8]), "given"), self.ITEM, given)) == []
+
     @pytest.mark.parametrize(("asked", "toward"), [("view", (0.0, -0.6, 0.8)), ((0.0, 0.0, -2.0), (0.0, 0.0, 1.0))])
     def test_a_direction_that_is_asked_for_is_the_only_one(self, asked: Any, toward: tuple[float, ...]) -> None:
         seen = replace(self.ITEM, viewpoint=np.array([0.0, -0.6, 0.8]))
@@ -105,6 +121,13 @@ class TestInABin:
                 hand = hand_in(grasp, found.gripper, back_m=back)
                 assert min(distance(wall, hand).min() for wall in BIN) > 0
                 assert hand[:, 2].min() > 0
+
+    def test_where_none_is_enough_those_beside_the_best_are_tried(self) -> None:
+        """Tilts of 10 degrees are too little, and the view's direction, 20 degrees, is turned too far from the wall."""
+        found = planned("approach.tilts_deg=[10]").best
+        assert found is not None
+        assert found.approach.known_from == "tilt"
+        assert found.tilt_deg == pytest.approx(20, abs=0.5)
 
     def test_beside_a_lone_wall_hands_lean_away_from_it(self) -> None:
         """On a table they are tried where only the palm is in the way."""
