@@ -34,13 +34,17 @@ def into_cells(
     low_y: cython.double = grid[1] + grid[2]
     high_x: cython.double = grid[0] + grid[2] * (rows - 1)
     high_y: cython.double = grid[1] + grid[2] * (columns - 1)
+    # numbers that no array holds: a compiler cannot know that writing to one does not change another
+    xx, xy, xz, x0 = frame[0, 0], frame[0, 1], frame[0, 2], frame[0, 3]
+    yx, yy, yz, y0 = frame[1, 0], frame[1, 1], frame[1, 2], frame[1, 3]
+    zx, zy, zz, z0 = frame[2, 0], frame[2, 1], frame[2, 2], frame[2, 3]
     for row in range(points.shape[0]):
         px: cython.double = points[row, 0]
         py: cython.double = points[row, 1]
         pz: cython.double = points[row, 2]
-        x: cython.double = px * frame[0, 0] + py * frame[0, 1] + pz * frame[0, 2] - frame[0, 3]
-        y: cython.double = px * frame[1, 0] + py * frame[1, 1] + pz * frame[1, 2] - frame[1, 3]
-        height: cython.double = px * frame[2, 0] + py * frame[2, 1] + pz * frame[2, 2] - frame[2, 3]
+        height: cython.double = px * zx + py * zy + pz * zz - z0
+        x: cython.double = px * xx + py * xy + pz * xz - x0
+        y: cython.double = px * yx + py * yy + pz * yz - y0
         place: cython.Py_ssize_t = 0
         if low_x <= x < high_x and low_y <= y < high_y and height > limits[0]:
             place = columns * cython.cast(cython.Py_ssize_t, (x - grid[0]) / grid[2])

@@ -21,7 +21,7 @@ from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.surroundings.below import Stops, breadth_m
 from flatgrasp_cli.surroundings.on_support import OnSupport
-from flatgrasp_cli.surroundings.walls import ALONG_PAD, INWARD_M, WALL_PLACES, pad_places
+from flatgrasp_cli.surroundings.walls import ALONG_PAD, INWARD_M, WALL_PLACES, chords_of, pad_places
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,7 +68,7 @@ class Aslant(OnSupport):
 
     def _is_seen(self, fingers: FingerCandidates, grasps: GraspCandidates) -> BoolArray:
         """Of which pairs (p,) a finger comes to a surface that was seen along most of its pad, not only to its rear."""
-        places = pad_places(fingers, INWARD_M[:WALL_PLACES], ALONG_PAD)
+        places = pad_places(chords_of(fingers), INWARD_M[:WALL_PLACES], ALONG_PAD)
         seen = np.isfinite(self.own.over(*places)).mean(axis=(0, 1)) > 0.5
         return np.asarray(seen[grasps.i] | seen[grasps.j])
 

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
 from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.geometry.lines import fitted_lines
 from flatgrasp_cli.geometry.polygon import dot
@@ -50,14 +50,14 @@ def unseen_beyond(fingers: FingerCandidates, envelope: Envelope, level_m: float)
 
     Metres; 0 where it was seen to end. The first cell is the silhouette's own uncertainty.
     """
-    out, far = _places(envelope.lowest), np.zeros(len(fingers), dtype=np.intp)
+    chords, out, far = chords_of(fingers), _places(envelope.lowest), np.zeros(len(fingers), dtype=np.intp)
 
-    def may(rows: IntArray, out: FloatArray) -> BoolArray:
-        places = pad_places(fingers.select(rows), -out, ALONG_PAD)
-        return np.asarray(envelope.may_reach(level_m, *places).mean(axis=1) > 0.5)
+    def may(chords: FloatArray, out: FloatArray) -> BoolArray:
+        reach = envelope.may_reach(level_m, *pad_places(chords, -out, ALONG_PAD))
+        return np.asarray(2 * np.count_nonzero(reach, axis=1) > len(ALONG_PAD))
 
-    begins = np.flatnonzero(may(np.arange(len(fingers)), out[1:2])[0])  # most sides were seen to end
-    far[begins] = 1 + np.logical_and.accumulate(may(begins, out[2:]), axis=0).sum(axis=0)
+    begins = np.flatnonzero(may(chords, out[1:2])[0])  # most sides were seen to end
+    far[begins] = 1 + np.logical_and.accumulate(may(chords[begins], out[2:]), axis=0).sum(axis=0)
     return np.where(far > 0, (1 + far) * envelope.lowest.cell_m, 0.0)
 
 

@@ -57,12 +57,10 @@ def chords_of(fingers: FingerCandidates) -> FloatArray:
     return np.column_stack([fingers.contact, fingers.end - fingers.start, fingers.direction])
 
 
-def pad_places(fingers: FingerCandidates, inward: FloatArray, along: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """X and y (inward, along, m) of places at distances `inward` from each candidate's chord and shares `along` it."""
-    way = fingers.end - fingers.start
+def pad_places(chords: FloatArray, inward: FloatArray, along: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """X and y (inward, along, m) of places at distances `inward` from each of `chords` (m, 6) and shares `along` it."""
     x, y = (
-        fingers.contact[:, k] + along[:, None] * way[:, k] + (inward[:, None] * fingers.direction[:, k])[:, None]
-        for k in (0, 1)
+        chords[:, k] + along[:, None] * chords[:, 2 + k] + (inward[:, None] * chords[:, 4 + k])[:, None] for k in (0, 1)
     )
     return x, y
 
@@ -74,7 +72,7 @@ def upright(fingers: FingerCandidates, rest: HeightMap, level_m: float, wall_dro
     half of the places or more.
     """
     out = INWARD_M[1 : WALL_PLACES - 1]  # beyond the silhouette's noise, but within a slice's height of a steep flank
-    below = rest.over(*pad_places(fingers, -out, ALONG_PAD))
+    below = rest.over(*pad_places(chords_of(fingers), -out, ALONG_PAD))
     drop = level_m - np.maximum(below, 0.0)
     steep = drop >= wall_drop * out[:, None, None]
     return np.asarray(steep.mean(axis=(0, 1)) >= 0.5)
