@@ -13,8 +13,11 @@ from flatgrasp_cli.scene.cells import POINTS_PER_CELL, SMOOTH_CELLS
 from flatgrasp_cli.scene.parting.joints import held_together
 from flatgrasp_cli.scene.parting.seams import color_seam_cells, seam_cells, surface_normals
 from flatgrasp_cli.scene.parting.view_grid import DOWN, RIGHT, ViewGrid, shifted, sides
-from flatgrasp_cli.scene.support_plane import SIGMAS
 from flatgrasp_cli.surroundings.slices import MIN_POINTS
+
+SURE_SIGMAS = 4.0
+"""A bend is told from noise by so many of its standard deviations: an object has thousands of places where cells meet,
+of which three in a thousand go beyond 3 by noise alone, and one in 16,000 beyond 4."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,7 +114,7 @@ def fitting_cell_m(spacing_m: float, noise_m: float, seam_deg: float) -> float:
     The mean of the (c/s)² points in a cell of side c scatters by σ s/c, the slope of a plane through 3 × 3 such cells
     by σ s/(√6 c²), and the difference of two slopes by √2 times that.
     """
-    return float(np.sqrt(SIGMAS * np.sqrt(2 / 6) * noise_m * spacing_m / np.radians(seam_deg)))
+    return float(np.sqrt(SURE_SIGMAS * np.sqrt(2 / 6) * noise_m * spacing_m / np.radians(seam_deg)))
 
 
 def _connected(grid: ViewGrid, free: BoolArray) -> IntArray:
