@@ -13,6 +13,8 @@ from flatgrasp_cli.scene.parting.view_grid import ViewGrid, shifted, sides
 MOST = 0.9
 """Share of a piece that tells what all of it does: cells at an edge also hold points of what is behind, and of a
 hollow's edge a little may touch another thing, or be hidden by one."""
+ODD_SHARE = 0.05
+"""Share of a piece's cells beyond its lower and its upper end, which also hold points of what is behind it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,7 +56,7 @@ def held_together(grid: ViewGrid, names: IntArray, least_m: float, drop_m: float
     low, high = np.full((2, count), np.nan)
     meeting = (np.flatnonzero(borders.met[1:].any(axis=1)) + 1).tolist()
     for name in meeting:
-        low[name], high[name] = np.quantile(height[names.ravel() == name], (1 - MOST, MOST))
+        low[name], high[name] = np.quantile(height[names.ravel() == name], (ODD_SHARE, 1 - ODD_SHARE))
     joined = np.arange(count)
     for name in meeting:
         other = _around(borders, name, middle, high)
