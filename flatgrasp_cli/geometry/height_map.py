@@ -30,7 +30,7 @@ class HeightMap:
     @property
     def grid(self) -> FloatArray:
         """Where the cells begin, and their size (3,)."""
-        return np.append(self.raster.origin, self.cell_m)
+        return self.raster.grid
 
     @cached_property
     def tops(self) -> FloatArray:

@@ -27,9 +27,9 @@ class Raster:
     shape: tuple[int, int]
 
     @classmethod
-    def over(cls, low: FloatArray, high: FloatArray, cell_m: float, most: int = MAX_CELLS) -> Raster:
-        """The raster over an area (2,), (2,) with its rim; cells are made larger if there would be more than `most`."""
-        cell_m = max(cell_m, float(np.sqrt(np.prod(high - low + cell_m) / most)))
+    def over(cls, low: FloatArray, high: FloatArray, cell_m: float) -> Raster:
+        """The raster over an area (2,), (2,) with its rim; cells are larger if there would be more than `MAX_CELLS`."""
+        cell_m = max(cell_m, float(np.sqrt(np.prod(high - low + cell_m) / MAX_CELLS)))
         rows, columns = (((high - low) / cell_m).astype(np.intp) + 3).tolist()
         return cls(low - cell_m, cell_m, (rows, columns))
 
@@ -43,6 +43,11 @@ class Raster:
     def inside(self) -> tuple[FloatArray, FloatArray]:
         """The corners (2,), (2,) of the cells that are not the rim's."""
         return self.origin + self.cell_m, self.origin + self.cell_m * (np.array(self.shape) - 1)
+
+    @property
+    def grid(self) -> FloatArray:
+        """Where the cells begin, and their size (3,)."""
+        return np.append(self.origin, self.cell_m)
 
     @property
     def size(self) -> int:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 @cython.cfunc
 @cython.inline
-def _bounded(
+def _cell(
     place: cython.double, low: cython.double, cell_m: cython.double, count: cython.Py_ssize_t
 ) -> cython.Py_ssize_t:
     """The row or column that holds a place, out of `count` from `low`; those outside are on the rim."""
@@ -29,8 +29,8 @@ def cells(
     found = np.empty(x.shape[0], dtype=np.intp)
     cell: cython.Py_ssize_t[::1] = found
     for place in range(x.shape[0]):
-        cell[place] = columns * _bounded(x[place], origin[0], cell_m, rows)
-        cell[place] += _bounded(y[place], origin[1], cell_m, columns)
+        cell[place] = columns * _cell(x[place], origin[0], cell_m, rows)
+        cell[place] += _cell(y[place], origin[1], cell_m, columns)
     return found
 
 
@@ -46,9 +46,29 @@ def over(
     found = np.empty(x.shape[0])
     answer: cython.double[::1] = found
     for place in range(x.shape[0]):
-        row: cython.Py_ssize_t = _bounded(x[place], origin[0], cell_m, values.shape[0])
-        answer[place] = values[row, _bounded(y[place], origin[1], cell_m, values.shape[1])]
+        row: cython.Py_ssize_t = _cell(x[place], origin[0], cell_m, values.shape[0])
+        answer[place] = values[row, _cell(y[place], origin[1], cell_m, values.shape[1])]
     return found
+
+
+@cython.cfunc
+@cython.inline
+def _moved(
+    values: cython.double[:, ::1],
+    x: cython.const[cython.double][:],  # type: ignore[valid-type]
+    y: cython.const[cython.double][:],  # type: ignore[valid-type]
+    levels: cython.const[cython.double][:],  # type: ignore[valid-type]
+    origin: cython.double[::1],
+    cell_m: cython.double,
+    upward: cython.bint,
+) -> cython.void:
+    """Move the `values` at places up to the highest, or down to the lowest, of the levels there."""
+    place: cython.Py_ssize_t
+    for place in range(x.shape[0]):
+        row: cython.Py_ssize_t = _cell(x[place], origin[0], cell_m, values.shape[0])
+        column: cython.Py_ssize_t = _cell(y[place], origin[1], cell_m, values.shape[1])
+        value: cython.double = values[row, column]
+        values[row, column] = max(value, levels[place]) if upward else min(value, levels[place])
 
 
 def raised(
@@ -60,11 +80,7 @@ def raised(
     cell_m: cython.double,
 ) -> None:
     """Raise the `values` (rows, columns) of a raster to the highest of the `levels` (n,) at places x and y (n,)."""
-    place: cython.Py_ssize_t
-    for place in range(x.shape[0]):
-        row: cython.Py_ssize_t = _bounded(x[place], origin[0], cell_m, values.shape[0])
-        column: cython.Py_ssize_t = _bounded(y[place], origin[1], cell_m, values.shape[1])
-        values[row, column] = max(values[row, column], levels[place])
+    _moved(values, x, y, levels, origin, cell_m, True)
 
 
 def lowered(
@@ -76,8 +92,4 @@ def lowered(
     cell_m: cython.double,
 ) -> None:
     """Lower the `values` (rows, columns) of a raster to the lowest of the `levels` (n,) at places x and y (n,)."""
-    place: cython.Py_ssize_t
-    for place in range(x.shape[0]):
-        row: cython.Py_ssize_t = _bounded(x[place], origin[0], cell_m, values.shape[0])
-        column: cython.Py_ssize_t = _bounded(y[place], origin[1], cell_m, values.shape[1])
-        values[row, column] = min(values[row, column], levels[place])
+    _moved(values, x, y, levels, origin, cell_m, False)

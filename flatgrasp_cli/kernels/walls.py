@@ -106,12 +106,12 @@ def faces(
     grid: cython.double[::1],
     level: cython.double,
     near: cython.Py_ssize_t,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Rows top and boundary (2, m) of the walls before m chords; and their profile and their crests (2, d, m).
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Rows top and boundary (2, m) of the walls before m chords; their profile and crests (2, d, m); and means (d, m).
 
     The first `near` of the distances `inward` (d,) can show the wall's top, the median along the pad, and are its
     boundary, a mean: the `level` where nothing was seen. Profiles are medians of the `surface`, crests of the `highest`
-    points, both 0 where nothing was.
+    points, both 0 where nothing was; means are those of `profile`.
     """
     chord: cython.Py_ssize_t
     step: cython.Py_ssize_t
@@ -121,7 +121,9 @@ def faces(
     pad: cython.double[::1] = np.empty(along.shape[0])
     tops: cython.double[::1] = np.empty(along.shape[0])
     figures, profiles = np.empty((2, chords.shape[0])), np.empty((2, inward.shape[0], chords.shape[0]))
+    means = np.empty((inward.shape[0], chords.shape[0]))
     wall: cython.double[:, ::1] = figures
+    mean: cython.double[:, ::1] = means
     height: cython.double[:, :, ::1] = profiles
     for chord in range(chords.shape[0]):
         count: cython.double = 0.0
@@ -129,6 +131,7 @@ def faces(
         tops[:] = UNSEEN
         for step in range(inward.shape[0]):
             _look(chords, chord, inward[step], along, surface, highest, grid, seen)
+            mean[step, chord] = _mean(seen, 1)
             for row in range(2):
                 for place in range(along.shape[0]):
                     pad[place] = seen[row, place] if seen[0, place] > UNSEEN else 0.0
@@ -142,7 +145,7 @@ def faces(
             tops[place] = tops[place] if tops[place] > UNSEEN else level
         wall[0, chord] = _median(tops)
         wall[1, chord] = total / count if count > 0 else level
-    return figures, profiles
+    return figures, profiles, means
 
 
 @cython.cfunc

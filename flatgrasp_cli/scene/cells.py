@@ -43,8 +43,9 @@ class SortedPoints:
         """
         cell, heights = np.empty(len(points), dtype=np.intp), np.empty(len(points))
         planes = np.column_stack([frame.axes, frame.axes @ frame.origin])
-        grid, shape = np.append(raster.origin, raster.cell_m), np.array(raster.shape)
-        count, total = into_cells(points, planes, grid, shape, np.array(limits_m), cell, heights)
+        count, total = into_cells(
+            points, planes, raster.grid, np.array(raster.shape), np.array(limits_m), cell, heights
+        )
         return cls(raster, cell, heights, count, total)
 
 

@@ -35,8 +35,7 @@ NEAR_M = 0.2
 """Points farther than this from something, metres, have nothing to do with it: they cannot meet a hand at an object,
 and what lies so far below or beside a table is the floor, or the room behind it."""
 SIGMAS = 3.0
-"""Standard deviations of noise within which points belong to a plane, depths to one surface, and bends to a flat one:
-99.7 % do."""
+"""Standard deviations of noise within which points belong to a plane, and depths to one surface: 99.7 % do."""
 
 
 class _Fit(NamedTuple):

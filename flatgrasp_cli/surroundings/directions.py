@@ -12,6 +12,7 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.extents import mean_of
 from flatgrasp_cli.model import ObjectCloud, OrientedBox
 from flatgrasp_cli.profiles.settings import ApproachSettings
+from flatgrasp_cli.profiles.settings.beyond import LEAST_TILT_DEG
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,7 +58,7 @@ def _all_around(
     first = [] if own is None else [Direction(own.frame.axes[2], "main_plane")]
     if cloud.viewpoint is not None:
         first.append(Direction(_unit(cloud.viewpoint - mean_of(cloud.points)), "view"))
-    least_deg = min(settings.tilts_deg, default=0.0)  # what is turned by less is as good as straight down
+    least_deg = min(settings.tilts_deg, default=LEAST_TILT_DEG)  # what is turned by less is as good as straight down
     yield from (each for each in first if least_deg < tilt_deg(each.toward, normal) <= settings.max_tilt_deg)
     turns = 2 * np.pi * np.arange(settings.around) / settings.around
     for tilt in np.radians([each for each in settings.tilts_deg if each <= settings.max_tilt_deg]):

@@ -64,8 +64,7 @@ class View:
         ground = np.vstack([self.frame.to_local(floor.frame.origin), turn])
         if self.asked is not None:
             eye, ground = (self._asked(rows) for rows in (eye, ground))
-        grid = np.append(self.image.pixels.origin, self.image.pixels.cell_m)
-        return eye, grid, self.image.ranges, ground, floor.levels.grid, floor.levels.heights
+        return eye, self.image.pixels.grid, self.image.ranges, ground, floor.levels.grid, floor.levels.heights
 
     def _asked(self, rows: FloatArray) -> FloatArray:
         """A place and axes, rows (4, 3), in the frame that is asked about."""

@@ -84,10 +84,11 @@ def walls(fingers: FingerCandidates, surface: HeightMap, highest: HeightMap, lev
     What rises inward less steeply than 1/μ is a flank, and only its height at the boundary is a wall. The slope is that
     of the `highest` points, for the mean height of an upright face is half of its own.
     """
-    maps = ALONG_PAD, surface.heights, highest.heights, surface.grid
-    chords = chords_of(fingers)
-    (top, boundary), profiles = kernels.faces(chords, INWARD_M, *maps, level_m, WALL_PLACES)
-    _, slope = fitted_lines(INWARD_M, kernels.profile(chords, INWARD_M, *maps).T)
+    maps = surface.heights, highest.heights, surface.grid
+    (top, boundary), profiles, means = kernels.faces(
+        chords_of(fingers), INWARD_M, ALONG_PAD, *maps, level_m, WALL_PLACES
+    )
+    _, slope = fitted_lines(INWARD_M, means.T)
     flank = (slope > LEAST_SLOPE) & (slope < 1 / friction)
     return Walls(
         top=top, boundary=boundary, flank=np.where(flank, slope * INWARD_M[WALL_PLACES - 1], 0.0), profiles=profiles

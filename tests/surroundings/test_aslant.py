@@ -73,6 +73,11 @@ class TestDirections:
         assert first.toward == pytest.approx(leaning.axes[2])
         assert second.toward == pytest.approx([0.0, -0.6, 0.8])
 
+    @pytest.mark.parametrize(("own_deg", "count"), [(4, 0), (6, 1)])
+    def test_without_tilts_what_is_hardly_turned_is_straight_down(self, own_deg: float, count: int) -> None:
+        box = OrientedBox(Frame(np.zeros(3), turned(own_deg).axes), np.ones(3), np.array([np.zeros(3), np.ones(3)]))
+        assert len(self.around(own=box, tilts_deg=())) == count
+
     def test_no_tilt_is_larger_than_the_largest_that_is_wanted(self) -> None:
         seen = replace(self.ITEM, viewpoint=np.array([0.0, -0.6, 0.8]))
         found = self.around(seen, max_tilt_deg=35.0, tilts_deg=(15.0, 30.0, 60.0))

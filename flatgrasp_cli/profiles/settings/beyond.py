@@ -37,6 +37,10 @@ class DepthSettings(Profile):
     """From the grasp to the lift pose, along the support plane's normal, metres."""
 
 
+LEAST_TILT_DEG = 5.0
+"""A direction that differs by less from straight down is that, degrees: hands are turned by as much by mistake."""
+
+
 class ApproachSettings(Profile):
     """Beyond the paper: from where the hand comes to what it cannot grasp from straight above."""
 
@@ -45,7 +49,7 @@ class ApproachSettings(Profile):
     view; whichever of all is best; or as this vector of any length points, in the cloud's frame."""
     enough: Share
     """A grasp whose probability of success is at least this share of 1 ends the search for a better direction."""
-    tilts_deg: tuple[Annotated[float, Field(ge=5, le=90)], ...]
+    tilts_deg: tuple[Annotated[float, Field(ge=LEAST_TILT_DEG, le=90)], ...]
     """How far from straight down, degrees: each only if those before it leave nothing that is enough. Empty: none."""
     max_tilt_deg: Annotated[float, Field(ge=0, le=90)]
     """The largest angle to straight down, degrees, whatever the direction follows from."""
