@@ -26,10 +26,11 @@ class Envelope:
     lowest: HeightMap
     view: View
 
-    def may_reach(self, level_m: float, x: FloatArray, y: FloatArray) -> BoolArray:
-        """Where (…) nothing that reaches `level_m` was seen, but something may."""
+    def may_reach(self, level_m: float | FloatArray, x: FloatArray, y: FloatArray) -> BoolArray:
+        """Where (…) nothing that reaches `level_m`, one for all or one for each place, was seen, but something may."""
         unsure = np.asarray(self.lowest.over(x, y) <= level_m)
         rows = np.flatnonzero(unsure)
-        places = np.stack([x.ravel()[rows], y.ravel()[rows], np.full(len(rows), level_m)])
+        levels = np.broadcast_to(level_m, x.shape).take(rows)
+        places = np.stack([x.ravel()[rows], y.ravel()[rows], levels])
         unsure.ravel()[rows] = self.view.hides(places)
         return unsure

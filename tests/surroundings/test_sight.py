@@ -16,7 +16,7 @@ from flatgrasp_cli.surroundings.maps import HeightMaps
 from flatgrasp_cli.surroundings.sight import hidden_extent, seen_sides, unseen_beyond
 from tests.by_hand import MM, Relief, candidates
 
-LEVEL_M = 4 * MM
+LEVEL_M, GRIP_M = 4 * MM, 8 * MM
 CELL_M = 2 * MM
 AT_ORIGIN = candidates(np.zeros((1, 2)), np.array([[0.0, 1.0]]))
 """One candidate: the object lies toward +y, the pad, 20 mm wide, along x."""
@@ -36,13 +36,14 @@ def surface(relief_mm: Relief) -> HeightMap:
 
 @dataclass(frozen=True)
 class Shadow:
-    """A view in which everything lower than a shadow's top, in millimetres over y, is hidden."""
+    """A view in which everything lower than a shadow's top, in millimetres over y, is hidden, down to its bottom."""
 
     top_mm: Relief
+    bottom_mm: float = -np.inf
 
     def hides(self, columns: FloatArray) -> BoolArray:
         x, y, z = columns / MM
-        return np.asarray(z < self.top_mm(x, y))
+        return np.asarray((z < self.top_mm(x, y)) & (z > self.bottom_mm))
 
 
 def behind_a_box(shadow_mm: Relief, top_mm: float = 40.0) -> Envelope:
@@ -180,6 +181,12 @@ class TestHiddenExtent:
         extent = extent_mm(lambda _x, y: np.where(y < 20, 40 - fall * y, np.nan), 40, bound_m=30 * MM)
         assert (extent < 20) if known else (extent == pytest.approx(30))
 
+    @pytest.mark.parametrize(("fall_deg", "extent"), [(28, 30), (40, 0)])
+    def test_nor_of_a_plane_that_turns_away_from_the_rays(self, fall_deg: float, extent: float) -> None:
+        """One that falls by 14° was lost from sight by rays at 28°, and seen to end by rays at 40°."""
+        slope = np.tan(np.radians(14))
+        assert extent_mm(lambda _x, y: 40 + slope * y, fall_deg, bound_m=30 * MM) == pytest.approx(extent)
+
     def test_nor_of_a_strip_of_a_few_millimetres(self) -> None:
         """An upright face seen from the front is as broad as the sensor's noise."""
         assert extent_mm(lambda _x, y: np.where(y < 4, 40.0, np.nan), 40, bound_m=30 * MM) == pytest.approx(30)
@@ -193,7 +200,7 @@ class TestHiddenExtent:
 def sides(envelope: Envelope, loop: int) -> FingerCandidates:
     """What is left of the candidate on that loop, before a lying can."""
     place = replace(AT_ORIGIN, loop=np.array([loop]))
-    return seen_sides(place, maps(lying_can(25, 45)), envelope, np.array([0.0, 0.5, 0.9]), LEVEL_M)
+    return seen_sides(place, maps(lying_can(25, 45)), envelope, np.array([0.0, 0.5, 0.9]), LEVEL_M, GRIP_M)
 
 
 class TestSeenSides:
@@ -206,3 +213,11 @@ class TestSeenSides:
     def test_a_finger_stands_in_a_hole_only_if_that_was_seen_through(self) -> None:
         assert len(sides(behind_a_box(lambda _x, y: 0 * y), loop=1)) == 1
         assert len(sides(behind_a_box(lambda _x, y: 40 + y), loop=1)) == 0
+
+    @pytest.mark.parametrize(("bottom_mm", "open_sides"), [(30, 0), (40, 1)])
+    def test_it_was_seen_through_where_the_pad_will_be(self, bottom_mm: float, open_sides: int) -> None:
+        """Aslant, what is far below the rim may be seen in the open: the can is 43 mm high at the chord."""
+        view: Any = Shadow(lambda _x, y: 50 + 0 * y, bottom_mm)
+        roofed = replace(behind_a_box(lambda _x, y: 0 * y), view=view)
+        assert len(sides(roofed, loop=1)) == open_sides
+        assert sides(roofed, loop=0).hidden[0] == 0
