@@ -120,7 +120,7 @@ class TestInABin:
         found = planned()
         assert found.best is not None, found.reason
         for grasp in found.objects[0].grasps:
-            assert grasp.tilt_deg == pytest.approx(15)
+            assert grasp.tilt_deg == pytest.approx(30), "15 degrees leave one that holds in six of ten"
             assert axes_from_quaternion(grasp.orientation)[2][0] > 0.1, "it leans away from the wall"
             for back in (0.0, 0.03, 0.06, 0.1):
                 hand = hand_in(grasp, found.gripper, back_m=back)
