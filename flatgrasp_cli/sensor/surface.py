@@ -18,7 +18,7 @@ from flatgrasp_cli.geometry.extents import bounds_of, extent_of, mean_of
 from flatgrasp_cli.geometry.frames import frame_on_plane
 from flatgrasp_cli.geometry.planes import consensus_plane
 from flatgrasp_cli.geometry.range_image import RangeImage
-from flatgrasp_cli.geometry.sampling import spread_indices
+from flatgrasp_cli.geometry.sampling import even_sample
 
 Verdict = Literal["seen", "flat", "hollow", "impossible"]
 """Whether a cloud can have been seen from a place.
@@ -87,9 +87,9 @@ class Surface:
     @classmethod
     def of(cls, points: FloatArray, rng: np.random.Generator) -> Surface:
         """The shape of `points` (n, 3)."""
-        everything = points[spread_indices(len(points), STANDING_SAMPLE)]
+        everything = even_sample(points, STANDING_SAMPLE)
         standing = _standing_plane(everything, rng)
-        sample, nothing = points[spread_indices(len(points), SURFACE_SAMPLE)], np.empty((0, 3))
+        sample, nothing = even_sample(points, SURFACE_SAMPLE), np.empty((0, 3))
         large = len(sample) <= NEIGHBOURS or float(extent_of(sample).max()) > LARGEST_OBJECT_M
         surface = None if standing is not None or large else _bulging_normals(sample)
         if surface is None:
@@ -115,7 +115,7 @@ class Surface:
 
 def _standing_plane(points: FloatArray, rng: np.random.Generator) -> tuple[FloatArray, float] | None:
     """Normal and offset of the biggest plane of `points` (n, 3) if things stand on it, all on the normal's side."""
-    sample = points[spread_indices(len(points), PLANE_SAMPLE)]
+    sample = even_sample(points, PLANE_SAMPLE)
     plane = consensus_plane(sample, PLANE_TOLERANCE_M, rng) if len(points) >= LEAST_STANDING[0] else None
     if plane is None:
         return None
@@ -145,7 +145,7 @@ def _filled(sheet: FloatArray, area: float) -> bool:
     """Whether places (n, 2) of a plane's own points fill their convex hull, of that area, as a table's do."""
     cell = np.sqrt(FILL_POINTS * area / len(sheet))
     row, column = ((sheet - bounds_of(sheet)[0]) / cell).astype(np.intp).T
-    filled = len(np.unique(row * (int(column.max()) + 1) + column))
+    filled = np.count_nonzero(np.bincount(row * (int(column.max()) + 1) + column))
     return bool(filled * cell**2 >= LEAST_FILLED * area)
 
 
