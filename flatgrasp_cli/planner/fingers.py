@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -64,8 +64,7 @@ def finger_candidates(
     longest = (settings.chord_share_max or np.inf) * longer_side(silhouette.loops[0])
     widths = {jaw: _chord_m(gripper, max(jaw, 0), longest) for jaw in jaws}
     parts = [_candidates_of_loop(silhouette.loops[step.loop], step, widths, settings) for step in steps]
-    columns = [column.name for column in fields(FingerCandidates)]
-    found = FingerCandidates(*(np.concatenate([getattr(part, name) for part in parts]) for name in columns))
+    found = FingerCandidates.joined(parts)
     return found.select(np.argsort(found.jaw, kind="stable"))
 
 
