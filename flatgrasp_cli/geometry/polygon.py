@@ -43,8 +43,9 @@ def in_frames(points: FloatArray, origins: FloatArray, along: FloatArray) -> tup
 def left_normal(directions: FloatArray) -> FloatArray:
     """Unit normals (n, 2) to the left of `directions` (n, 2)."""
     x, y = directions.T
-    length = np.hypot(x, y)
-    return np.stack([-y / length, x / length], axis=1)
+    length, normals = np.hypot(x, y), np.empty((len(x), 2))
+    normals[:, 0], normals[:, 1] = -y / length, x / length
+    return normals
 
 
 def signed_area(loop: FloatArray) -> float:
