@@ -130,7 +130,7 @@ class GraspCandidates(Table):
     @property
     def hands(self) -> FloatArray:
         """Where hands that have closed stand, rows (p, 5): the centre, the closing axis, and half the width."""
-        return np.column_stack([self.center, self.axis, 0.5 * self.width])
+        return np.concatenate([self.center, self.axis, 0.5 * self.width[:, None]], axis=1)
 
     def first(self, count: int) -> GraspCandidates:
         """The first `count` pairs, or all of them if there are fewer."""

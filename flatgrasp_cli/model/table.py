@@ -36,8 +36,8 @@ class Table:
 
     def select(self, keep: BoolArray | IntArray) -> Self:
         """The rows that `keep`, a mask or an index array, names."""
-        rows = np.flatnonzero(keep) if keep.dtype == np.bool_ else keep
-        if len(rows) == len(self) and np.array_equal(rows, np.arange(len(rows))):
+        rows = keep.nonzero()[0] if keep.dtype == np.bool_ else keep
+        if len(rows) == len(self) and bool((rows == np.arange(len(rows))).all()):
             return self
         columns = vars(self).items()
         return self._of({name: values.take(rows, axis=0) if len(values) else values for name, values in columns})

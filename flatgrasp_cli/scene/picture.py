@@ -9,6 +9,7 @@ from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.extents import bounds_of, mean_of
 from flatgrasp_cli.geometry.height_map import UNSEEN
 from flatgrasp_cli.geometry.sampling import spread_indices
+from flatgrasp_cli.geometry.scatter import median
 from flatgrasp_cli.model import Cloud, Floor
 from flatgrasp_cli.scene.cells import SMOOTH_CELLS
 from flatgrasp_cli.scene.clusters import SECTORS
@@ -36,7 +37,7 @@ def cut_off(cloud: Cloud, viewpoint: FloatArray, members: tuple[IntArray, ...], 
         limits = (1 - MOST) * size, MOST * size  # stereo cameras leave up to 0.06 of it empty at a side
     else:
         x, y, depth = image_of(cloud.points.take(np.concatenate([sample, rows]), axis=0), viewpoint)
-        both = np.column_stack([x, y]) * (float(np.median(depth)) / spacing_m)
+        both = np.column_stack([x, y]) * (median(depth) / spacing_m)
         _, _, turn = cv2.minAreaRect(cv2.convexHull(both[: len(sample)].astype(np.float32)))
         c, s = np.cos(np.radians(turn)), np.sin(np.radians(turn))
         picture, own = np.split(both @ np.array([[c, -s], [s, c]]), [len(sample)])

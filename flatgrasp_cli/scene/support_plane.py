@@ -10,7 +10,7 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.planes import consensus_plane, least_squares_plane
 from flatgrasp_cli.geometry.sampling import even_sample
-from flatgrasp_cli.geometry.scatter import deviation
+from flatgrasp_cli.geometry.scatter import deviation, median
 from flatgrasp_cli.model import Sensor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 
@@ -65,7 +65,7 @@ def find_support_plane(points: FloatArray, sensor: Sensor, settings: SceneSettin
     stacked = [fit for fit in stacked if fit.share > GOOD_PART * biggest.share]
     nearest = max(stacked, key=lambda fit: fit.offset)
     points = even_sample(points, FINE_SAMPLE)
-    tolerance = float(np.median(_tolerance(points, sensor)))
+    tolerance = median(_tolerance(points, sensor))
     first = _fitted(points, nearest.normal, nearest.offset, tolerance)
     return _fitted(points, first.normal, first.offset_m, min(tolerance, flatness_m(first, settings)))
 
@@ -137,7 +137,7 @@ def _fitted(points: FloatArray, normal: FloatArray, offset: float, tolerance: fl
     inliers = points.take(np.flatnonzero(np.abs(points @ normal - offset) < tolerance), axis=0)
     refined, _ = least_squares_plane(inliers)
     normal = refined if refined @ normal > 0 else -refined
-    offset = float(np.median(inliers @ normal))
+    offset = median(inliers @ normal)
     scatter = np.abs(points @ normal - offset)
     return SupportPlane(normal, offset, deviation(scatter[scatter < tolerance]))
 

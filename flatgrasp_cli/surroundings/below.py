@@ -119,7 +119,7 @@ def _places(gripper: Gripper, width_m: float, cell_m: float) -> FloatArray:
 def _steps(size: float, cell_m: float) -> FloatArray:
     """Places from −size/2 to size/2, no more than a cell apart."""
     gaps = max(1, math.ceil(size / cell_m))
-    return np.arange(gaps + 1) * (size / gaps) - 0.5 * size
+    return np.asarray(np.arange(gaps + 1) * (size / gaps) - 0.5 * size, dtype=np.float64)
 
 
 def too_low(upright_m: float, need_m: float) -> Miss:
