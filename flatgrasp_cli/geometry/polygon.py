@@ -43,7 +43,7 @@ def in_frames(points: FloatArray, origins: FloatArray, along: FloatArray) -> tup
 def left_normal(directions: FloatArray) -> FloatArray:
     """Unit normals (n, 2) to the left of `directions` (n, 2)."""
     x, y = directions.T
-    length, normals = np.hypot(x, y), np.empty((len(x), 2))
+    length, normals = np.sqrt(x * x + y * y), np.empty((len(x), 2))
     normals[:, 0], normals[:, 1] = -y / length, x / length
     return normals
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import cython
 import numpy as np
-from cython.cimports.libc.math import hypot, isnan, sqrt
+from cython.cimports.libc.math import isnan, sqrt
 from numpy.typing import NDArray
 
 
@@ -139,6 +139,7 @@ def most_nearby(
             alike: cython.double = direction[one, 0] * direction[other, 0] + direction[one, 1] * direction[other, 1]
             if extent[other] > most[one] and alike > 0:
                 dx: cython.double = contact[one, 0] - contact[other, 0]
-                if hypot(dx, contact[one, 1] - contact[other, 1]) <= width[one]:
+                dy: cython.double = contact[one, 1] - contact[other, 1]
+                if dx * dx + dy * dy <= width[one] * width[one]:
                     most[one] = extent[other]
     return found

@@ -6,7 +6,7 @@ import math
 
 import cython
 import numpy as np
-from cython.cimports.libc.math import acos, cos, hypot
+from cython.cimports.libc.math import acos, cos, sqrt
 from numpy.typing import NDArray
 
 INFINITY = cython.declare(cython.double, math.inf)
@@ -108,7 +108,7 @@ def weighed(
         j: cython.Py_ssize_t = pairs[1, index]
         ex: cython.double = contact[j, 0] - contact[i, 0]
         ey: cython.double = contact[j, 1] - contact[i, 1]
-        distance: cython.double = hypot(ex, ey)
+        distance: cython.double = sqrt(ex * ex + ey * ey)
         if distance > 0:
             ex /= distance
             ey /= distance
