@@ -10,7 +10,7 @@ from cython.cimports.libc.math import sqrt
 from numpy.typing import NDArray
 
 INFINITY = cython.declare(cython.double, math.inf)
-POINTS_PER_CELL = cython.declare(cython.double, 3.0)
+POINTS_PER_CELL = cython.declare(cython.double, 1.0)
 """Points in a cell of the grid in which neighbours are looked for: it decides how long that takes, and nothing else."""
 
 
