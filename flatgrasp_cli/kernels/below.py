@@ -16,6 +16,7 @@ UNSEEN = cython.declare(cython.double, -math.inf)
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _bounded(cells: cython.double, count: cython.Py_ssize_t) -> cython.Py_ssize_t:
     """The row or column that holds a place so many cells from the first; those outside are on the rim."""
     return cython.cast(cython.Py_ssize_t, min(max(cells, 0.0), count - 1.0))
@@ -79,6 +80,7 @@ def _ends(fingers: cython.double[:, ::1]) -> cython.Py_ssize_t[::1]:
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _across(
     hands: cython.double[:, ::1],
     hand: cython.Py_ssize_t,

@@ -48,6 +48,7 @@ def going_on(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _half_height(heights: cython.double[:, ::1], flank: cython.Py_ssize_t) -> cython.double:
     """Half of the highest that a flank was seen, or, where something of it was not seen, at least of the ground."""
     place: cython.Py_ssize_t
@@ -59,6 +60,7 @@ def _half_height(heights: cython.double[:, ::1], flank: cython.Py_ssize_t) -> cy
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _line(
     inward: cython.double[::1], heights: cython.double[:, ::1], flank: cython.Py_ssize_t, line: cython.double[::1]
 ) -> cython.double:
@@ -89,6 +91,7 @@ def _line(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _strays_from_line(
     inward: cython.double[::1], heights: cython.double[:, ::1], flank: cython.Py_ssize_t, line: cython.double[::1]
 ) -> cython.double:
@@ -103,6 +106,7 @@ def _strays_from_line(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _strays_from_ellipse(
     inward: cython.double[::1],
     heights: cython.double[:, ::1],

@@ -53,6 +53,7 @@ def squared_reach(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _step(place: cython.float, low: cython.double, per_cell: cython.double) -> cython.Py_ssize_t:
     """The row or column that holds a place."""
     return cython.cast(cython.Py_ssize_t, (place - low) * per_cell)
@@ -113,6 +114,7 @@ def _sort(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _around(
     places: cython.float[:, ::1],
     begin: cython.Py_ssize_t[::1],

@@ -30,6 +30,7 @@ def contains(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _inside(
     starts: cython.double[:, ::1], ends: cython.double[:, ::1], x: cython.double, y: cython.double
 ) -> cython.bint:
@@ -151,6 +152,7 @@ def chord_walk(loop: cython.double[:, :], arc: cython.double[::1], radius: cytho
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _is_beyond(x: cython.double, y: cython.double, radius: cython.double) -> cython.bint:
     """Whether a place lies outside the circle around the origin."""
     return x * x + y * y > radius * radius
@@ -158,6 +160,7 @@ def _is_beyond(x: cython.double, y: cython.double, radius: cython.double) -> cyt
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _leaves(
     px: cython.double, py: cython.double, ux: cython.double, uy: cython.double, radius: cython.double
 ) -> cython.double:

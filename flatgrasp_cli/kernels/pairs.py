@@ -87,6 +87,7 @@ def _collect(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _gamma_deg(cosine: cython.double) -> cython.double:
     return DEGREES * acos(min(max(cosine, -1.0), 1.0))
 
@@ -129,5 +130,6 @@ def weighed(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _tangent(sine: cython.double, cosine: cython.double) -> cython.double:
     return abs(sine) / cosine if cosine > 0 else INFINITY

@@ -101,6 +101,7 @@ def _tiles(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _in_tile(
     hands: cython.double[:, ::1],
     hand: cython.Py_ssize_t,

@@ -92,6 +92,7 @@ def _agreed(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _lies_in(
     points: cython.const[cython.double][:, ::1],  # type: ignore[valid-type]
     row: cython.Py_ssize_t,

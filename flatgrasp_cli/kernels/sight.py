@@ -14,6 +14,7 @@ INFINITY = cython.declare(cython.double, math.inf)
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _cell(
     place: cython.double, low: cython.double, cell_m: cython.double, count: cython.Py_ssize_t
 ) -> cython.Py_ssize_t:
@@ -92,6 +93,7 @@ def going_on(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _hides(
     px: cython.double,
     py: cython.double,
@@ -123,6 +125,7 @@ def _hides(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _meets(
     px: cython.double,
     py: cython.double,
@@ -148,6 +151,7 @@ def _meets(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _over(
     x: cython.double, y: cython.double, z: cython.double, frame: cython.double[:, ::1], axis: cython.Py_ssize_t
 ) -> cython.double:
