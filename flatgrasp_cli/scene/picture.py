@@ -10,6 +10,7 @@ from flatgrasp_cli.geometry.extents import bounds_of, mean_of
 from flatgrasp_cli.geometry.height_map import UNSEEN
 from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.geometry.scatter import median
+from flatgrasp_cli.kernels.rim import on_rim
 from flatgrasp_cli.model import Cloud, Floor
 from flatgrasp_cli.scene.cells import SMOOTH_CELLS
 from flatgrasp_cli.scene.clusters import SECTORS
@@ -38,7 +39,7 @@ def cut_off(cloud: Cloud, viewpoint: FloatArray, members: tuple[IntArray, ...], 
     else:
         x, y, depth = image_of(cloud.points.take(np.concatenate([sample, rows]), axis=0), viewpoint)
         both = np.column_stack([x, y]) * (median(depth) / spacing_m)
-        _, _, turn = cv2.minAreaRect(cv2.convexHull(both[: len(sample)].astype(np.float32)))
+        _, _, turn = cv2.minAreaRect(both[on_rim(both[: len(sample)])].astype(np.float32))
         c, s = np.cos(np.radians(turn)), np.sin(np.radians(turn))
         picture, own = np.split(both @ np.array([[c, -s], [s, c]]), [len(sample)])
         limits = np.full(2, np.inf), np.full(2, -np.inf)

@@ -19,6 +19,7 @@ from flatgrasp_cli.geometry.frames import frame_on_plane
 from flatgrasp_cli.geometry.planes import consensus_plane
 from flatgrasp_cli.geometry.range_image import RangeImage
 from flatgrasp_cli.geometry.sampling import even_sample
+from flatgrasp_cli.kernels.rim import on_rim
 
 Verdict = Literal["seen", "flat", "hollow", "impossible"]
 """Whether a cloud can have been seen from a place.
@@ -161,7 +162,7 @@ def _hull(places: FloatArray) -> Any:
     """Convex hull of `places` (n, 2), as a shapely geometry."""
     import shapely
 
-    return shapely.LineString(places).convex_hull
+    return shapely.LineString(places[on_rim(places)]).convex_hull
 
 
 def _well_within(places: FloatArray, hull: Any) -> BoolArray:
