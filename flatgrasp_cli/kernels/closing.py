@@ -75,21 +75,21 @@ def _near(
 ) -> cython.Py_ssize_t:
     """Write the edges that may pass within `reach` of the closing axis of any of a grasp's hands; returns how many.
 
-    Seen from their `mean`, hands are aside by no more than their centres are and what their turns make of the distance.
+    Seen from their `mean`, hands are aside by what they miss across their axes, and by what their turns make of the way.
     """
     hand: cython.Py_ssize_t
     edge: cython.Py_ssize_t
     found: cython.Py_ssize_t = 0
-    aside: cython.double = SHORTEST_M  # and rounding
-    turned: cython.double = 0.0
+    aside, turned = SHORTEST_M, 0.0  # rounding makes them differ, too
     for hand in range(hands.shape[1]):
-        aside = max(aside, abs(hands[grasp, hand, 0] - mean[grasp, 0]) + abs(hands[grasp, hand, 1] - mean[grasp, 1]))
-        turned = max(turned, abs(hands[grasp, hand, 2] - mean[grasp, 2]) + abs(hands[grasp, hand, 3] - mean[grasp, 3]))
+        ux, uy = hands[grasp, hand, 2], hands[grasp, hand, 3]
+        across: cython.double = (hands[grasp, hand, 1] - mean[grasp, 1]) * ux
+        aside = max(aside, abs(across - (hands[grasp, hand, 0] - mean[grasp, 0]) * uy))
+        turned = max(turned, max(abs(ux - mean[grasp, 2]), abs(uy - mean[grasp, 3])))
     for edge in range(starts.shape[0]):
         ax, ay = starts[edge, 0] - mean[grasp, 0], starts[edge, 1] - mean[grasp, 1]
         bx, by = ends[edge, 0] - mean[grasp, 0], ends[edge, 1] - mean[grasp, 1]
-        away: cython.double = max(abs(ax) + abs(ay), abs(bx) + abs(by)) + aside
-        limit: cython.double = reach + 2 * aside + turned * away
+        limit: cython.double = reach + aside + turned * max(abs(ax) + abs(ay), abs(bx) + abs(by))
         from_x: cython.double = ay * mean[grasp, 2] - ax * mean[grasp, 3]
         to_x: cython.double = by * mean[grasp, 2] - bx * mean[grasp, 3]
         if (from_x < limit or to_x < limit) and (from_x > -limit or to_x > -limit):
