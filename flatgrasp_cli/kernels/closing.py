@@ -75,7 +75,7 @@ def _near(
 ) -> cython.Py_ssize_t:
     """Write the edges that may pass within `reach` of the closing axis of any of a grasp's hands; returns how many.
 
-    Seen from their `mean`, hands are aside by what they miss across their axes, and by what their turns make of the way.
+    Seen from their `mean`, hands are aside by what they miss across their axes and by what their turns make of the way.
     """
     hand: cython.Py_ssize_t
     edge: cython.Py_ssize_t

@@ -11,6 +11,7 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.frames import Frame, frame_on_plane
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
+from flatgrasp_cli.geometry.hull import depths
 from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.geometry.sampling import even_sample, spread_indices
 from flatgrasp_cli.geometry.scatter import deviation
@@ -142,8 +143,6 @@ def _broad(mask: BoolArray, cells: float) -> BoolArray:
 
 def _objects(found: SortedPoints, labels: IntArray, table: BoolArray, settings: SceneSettings) -> list[int]:
     """Names of the clusters that are objects, largest first: large enough, and amid the plane."""
-    import shapely
-
     cell = np.flatnonzero(labels)
     row, column = np.divmod(cell, labels.shape[1])
     name_of = labels.ravel()[cell]
@@ -151,13 +150,14 @@ def _objects(found: SortedPoints, labels: IntArray, table: BoolArray, settings: 
     points = np.bincount(name_of, weights=found.count.ravel()[cell])
     large = (cells * found.raster.cell_m**2 >= settings.min_size_m**2) & (points >= MIN_POINTS)
     least_part = settings.least_part_m / found.raster.cell_m
-    amid = hull_of(table).buffer(-0.5 * least_part)  # nearer to the edge of a view, half of such a part is cut off
-    chosen = []
+    hull, chosen = hull_of(table), []
     for name in np.flatnonzero(large).tolist():
         own = np.stack([row[name_of == name], column[name_of == name]])
         low, high = own.min(axis=1), own.max(axis=1) + 1
         middle = own.mean(axis=1)
-        if shapely.contains_xy(amid, *middle) and _sectors(low, high, middle, table, least_part) >= GOOD_PART * SECTORS:
+        if depths(hull, middle[None])[0] <= 0.5 * least_part:
+            continue  # so near to the edge of a view, half of such a part is cut off
+        if _sectors(low, high, middle, table, least_part) >= GOOD_PART * SECTORS:
             chosen.append(name)
     return sorted(chosen, key=lambda name: -int(cells[name]))
 

@@ -8,6 +8,7 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.extents import bounds_of, mean_of
 from flatgrasp_cli.geometry.height_map import UNSEEN
+from flatgrasp_cli.geometry.hull import depths
 from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.geometry.scatter import median
 from flatgrasp_cli.kernels.rim import on_rim
@@ -53,14 +54,12 @@ def at_table_edge(points: FloatArray, members: tuple[IntArray, ...], floor: Floo
 
     A hand stands half beyond it there, and things are what the table ends with.
     """
-    import shapely
-
     raster = floor.levels.raster
-    inner = hull_of(floor.levels.heights > UNSEEN).buffer(-edge_m / raster.cell_m)
     middles = np.array([mean_of(points[rows]) for rows in members]).reshape(-1, 3)
     x, y, _ = floor.frame.to_local(middles).T
-    row, column = np.divmod(raster.cells(x, y), raster.shape[1])
-    return tuple((~shapely.contains_xy(inner, row, column)).tolist())
+    places = np.column_stack(np.divmod(raster.cells(x, y), raster.shape[1]))
+    inside = depths(hull_of(floor.levels.heights > UNSEEN), places) > edge_m / raster.cell_m
+    return tuple((~inside).tolist())
 
 
 def _at_edge(picture: FloatArray, own: FloatArray, limits: tuple[FloatArray, FloatArray]) -> BoolArray:
