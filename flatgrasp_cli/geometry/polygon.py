@@ -112,7 +112,7 @@ def circle_exits(loop: FloatArray, positions: FloatArray, radius: FloatArray | f
     disc is convex, so the first edge that leaves it is the first whose end lies outside. Answers lie ahead of
     `positions` by at most one perimeter and are not reduced modulo it; NaN where the loop never leaves the circle.
     """
-    radii = np.broadcast_to(np.asarray(radius, dtype=np.float64), positions.shape).copy()
+    radii = np.full(positions.shape, radius, dtype=np.float64)
     return outline.circle_exits(loop, arc_positions(loop), positions, points_at(loop, positions), radii)
 
 

@@ -23,7 +23,7 @@ wide.
 MAX_DERIVED_STEPS, MAX_STEPS = 600, 3000
 """Largest number of step points on all loops, with a derived step and with one that was asked for: the matrices of
 pairs then hold 3 MB and 70 MB."""
-ARC_SAMPLES = 17
+ALONG_ARC = np.linspace(0.0, 1.0, 17)
 """Points along the boundary under a chord: 1.4 mm apart under a pad of 22 mm, as fine as a silhouette is known."""
 EITHER_JAW = -1
 """In the column `jaw`: the candidate may be for either of two equal jaws."""
@@ -86,7 +86,7 @@ def _candidates_of_loop(
     found = np.isfinite(ends) & ((ends < perimeter) | (settings.walk == "cyclic"))
     found &= ends - begins <= (settings.arc_ratio_max or np.inf) * width
     begins, ends, width = begins[found], ends[found], width[found]
-    arcs = polygon.points_at(loop, begins[:, None] + np.linspace(0.0, 1.0, ARC_SAMPLES) * (ends - begins)[:, None])
+    arcs = polygon.points_at(loop, begins[:, None] + ALONG_ARC * (ends - begins)[:, None])
     start, end = arcs[:, 0], arcs[:, -1]
     normal = polygon.left_normal(end - start)
     return FingerCandidates(
