@@ -35,7 +35,7 @@ def best_first(grasps: GraspCandidates, situation: Situation) -> GraspCandidates
     apart = VarietySettings(apart_m=unsure.position_m, apart_deg=min(2 * unsure.yaw_deg, 90.0))
     contenders = np.array(differing(grasps, order, apart, CONTENDERS), dtype=np.intp)
     rough = _by_trial(grasps.select(contenders), situation.briefly)
-    sure = _by_trial(rough.first(FINALISTS), situation)
+    sure = _by_trial(rough.first(FINALISTS), situation.to_the_end)
     left = rough.select(np.arange(len(sure), len(rough))).untried()
     others = order[~np.isin(order, contenders)]
     return sure.followed_by(left).followed_by(grasps.select(others))
