@@ -130,14 +130,23 @@ def _translated(kernels: list[Path], temporary: Path, directives: dict[str, Any]
     from setuptools import Extension
 
     flags = [] if sys.platform == "win32" else list(EXACT)
-    extensions = [
-        Extension(".".join((*KERNELS.parts, path.stem)), [str(path)], extra_compile_args=flags) for path in kernels
-    ]
+    shared = KERNELS / f"{_freshness().SHARED}.c"  # which Cython writes
+    extensions = [Extension(_dotted(path), [str(path)], extra_compile_args=flags) for path in (*kernels, shared)]
     with contextlib.chdir(ROOT):
         translated: list[Any] = cythonize(
-            extensions, build_dir=str(temporary), compiler_directives=directives, quiet=True, force=True
+            extensions,
+            build_dir=str(temporary),
+            compiler_directives=directives,
+            shared_utility_qualified_name=_dotted(shared),
+            quiet=True,
+            force=True,
         )
     return translated
+
+
+def _dotted(source: Path) -> str:
+    """The name of the module that is compiled from a file."""
+    return ".".join((*KERNELS.parts, source.stem))
 
 
 def _built(extensions: list[Any], temporary: Path) -> list[Path]:

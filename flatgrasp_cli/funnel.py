@@ -51,9 +51,10 @@ class Funnel:
         self, stage: str, pairs: GraspCandidates, values: FloatArray, limit: float, miss: Callable[[float], str | Miss]
     ) -> IntArray:
         """Indices of the pairs whose `values` (p,) are at most `limit`; `miss` words the nearest value beyond it."""
-        kept = np.flatnonzero(values <= limit)
+        (kept,) = (values <= limit).nonzero()
         self.stages.append(Stage(stage, len(kept)))
-        self.trace.survivors[stage] = np.column_stack([pairs.i[kept], pairs.j[kept]])
+        survivors = self.trace.survivors[stage] = np.empty((len(kept), 2), dtype=np.intp)
+        survivors[:, 0], survivors[:, 1] = pairs.i[kept], pairs.j[kept]
         if len(kept) == 0:
             nearest = float(values.min())
             finite = nearest if np.isfinite(nearest) else None

@@ -13,9 +13,10 @@ from typing import Any
 import cv2
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
 from flatgrasp_cli.geometry.polygon import cross, following, signed_area
 from flatgrasp_cli.geometry.raster import Raster
+from flatgrasp_cli.kernels.rolling import outermost
 
 CELLS_PER_ALPHA = np.sqrt(2)
 """A disc of radius α, wherever it lies, holds a whole cell of side α/√2: the one around its centre."""
@@ -100,25 +101,10 @@ def _rolled_around(points: FloatArray, alpha_m: float) -> tuple[list[FloatArray]
     contours, family = cv2.findContours(covered, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
     path = np.concatenate(contours)[:, 0]  # where the disc's centre goes
     touched = nearest[path[:, 1], path[:, 0]]
-    owner = _outermost(columns, nearest[row, column], touched, low + (path - 0.5) * pixel)
+    owner = outermost(points, nearest[row, column], touched, low + (path - 0.5) * pixel, int(nearest.max()) + 1)
     ways = np.split(touched, np.cumsum([len(contour) for contour in contours])[:-1])
     rings = [points[owner[way[way != np.concatenate([way[-1:], way[:-1]])]]] for way in ways]
     return rings, family[0, :, 3].tolist()
-
-
-def _outermost(columns: FloatArray, label: IntArray, touched: IntArray, path: FloatArray) -> IntArray:
-    """Of the points, columns (2, n), in each pixel the one that the disc touches: index by label (labels + 1,).
-
-    `label` (n,) is that of each point's pixel; a disc at `path` (m, 2) touches a point in the pixel `touched` (m,).
-    """
-    center = np.full((int(label.max()) + 1, 2), np.nan)
-    center[touched] = path
-    mates = np.flatnonzero(np.isfinite(center[label, 0]))
-    away = columns.take(mates, axis=1) - center[label[mates]].T
-    order = mates[np.argsort(-np.hypot(away[0], away[1]), kind="stable")]
-    owner = np.zeros(len(center), dtype=np.intp)
-    owner[label[order]] = order  # the last one stays: the nearest
-    return owner
 
 
 def _turning(ring: FloatArray, sign: float) -> FloatArray:

@@ -10,7 +10,7 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import FloatArray, true_entries
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.raster import Raster
-from flatgrasp_cli.kernels import below
+from flatgrasp_cli.kernels import palm
 
 UNSEEN = -np.inf
 
@@ -35,7 +35,7 @@ class HeightMap:
     @cached_property
     def tops(self) -> FloatArray:
         """The highest of each square of so many cells as a search passes over at once."""
-        return below.tops(self.heights)
+        return palm.tops(self.heights)
 
     @classmethod
     def of(cls, points: FloatArray, cell_m: float) -> HeightMap:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.kernels import lines as kernels
 
 
 def fitted_lines(x: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -12,11 +11,5 @@ def fitted_lines(x: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatAr
 
     Where one value is known the slope is 0, where none is both are.
     """
-    known = np.isfinite(values)
-    count = np.maximum(known.sum(axis=1), 1)
-    mean_x = np.where(known, x, 0.0).sum(axis=1) / count
-    mean = np.where(known, values, 0.0).sum(axis=1) / count
-    dx = np.where(known, x - mean_x[:, None], 0.0)
-    spread = (dx**2).sum(axis=1)
-    slope = (dx * np.where(known, values, 0.0)).sum(axis=1) / np.where(spread > 0, spread, 1.0)
-    return mean - slope * mean_x, slope
+    at_0, slope = kernels.fitted(x, values)
+    return at_0, slope

@@ -6,6 +6,7 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.extents import mean_of
+from flatgrasp_cli.kernels.planes import consensus
 
 HYPOTHESES = 250
 
@@ -15,23 +16,12 @@ def consensus_plane(
 ) -> tuple[FloatArray, float] | None:
     """Unit normal (3,) and offset of the plane that most of `points` (n, 3) agree with; None if all are in line.
 
-    A point agrees if it lies within its `tolerance_m` (n,) of a plane through three random ones. All hypotheses are
-    scored at once (Fischler & Bolles, Communications of the ACM 24(6), 1981); least squares fit those that agree.
+    A point agrees if it lies within its `tolerance_m` (n,) of a plane through three random ones (Fischler & Bolles,
+    Communications of the ACM 24(6), 1981); least squares fit those that agree.
     """
-    middle = mean_of(points)  # single precision is about it, wherever the cloud lies
-    corners = points[rng.integers(len(points), size=(HYPOTHESES, 3))]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    lengths = np.linalg.norm(normals, axis=1)
-    real = lengths > 1e-12
-    if not real.any():
-        return None
-    normals = normals[real] / lengths[real, None]
-    offsets = np.einsum("ij,ij->i", normals, corners[real, 0] - middle)
-    # single precision tells millimetres on a scene's scale, and a matrix of it takes half the time
-    distance = normals.astype(np.float32) @ (points - middle).T.astype(np.float32)
-    distance -= offsets.astype(np.float32)[:, None]
-    agree = np.abs(distance, out=distance) < np.asarray(tolerance_m, dtype=np.float32)
-    return least_squares_plane(points[agree[np.argmax(np.count_nonzero(agree, axis=1))]])
+    corners = rng.integers(len(points), size=(HYPOTHESES, 3), dtype=np.intp)
+    agree = consensus(points, corners, np.broadcast_to(tolerance_m, len(points)).astype(np.float64))
+    return least_squares_plane(points.take(agree, axis=0)) if len(agree) else None
 
 
 def least_squares_plane(points: FloatArray) -> tuple[FloatArray, float]:

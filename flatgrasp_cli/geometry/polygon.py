@@ -43,8 +43,9 @@ def in_frames(points: FloatArray, origins: FloatArray, along: FloatArray) -> tup
 def left_normal(directions: FloatArray) -> FloatArray:
     """Unit normals (n, 2) to the left of `directions` (n, 2)."""
     x, y = directions.T
-    length = np.hypot(x, y)
-    return np.stack([-y / length, x / length], axis=1)
+    length, normals = np.sqrt(x * x + y * y), np.empty((len(x), 2))
+    normals[:, 0], normals[:, 1] = -y / length, x / length
+    return normals
 
 
 def signed_area(loop: FloatArray) -> float:
@@ -111,7 +112,7 @@ def circle_exits(loop: FloatArray, positions: FloatArray, radius: FloatArray | f
     disc is convex, so the first edge that leaves it is the first whose end lies outside. Answers lie ahead of
     `positions` by at most one perimeter and are not reduced modulo it; NaN where the loop never leaves the circle.
     """
-    radii = np.broadcast_to(np.asarray(radius, dtype=np.float64), positions.shape).copy()
+    radii = np.full(positions.shape, radius, dtype=np.float64)
     return outline.circle_exits(loop, arc_positions(loop), positions, points_at(loop, positions), radii)
 
 

@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.frames import cross_product
 from flatgrasp_cli.geometry.rectangle import minimum_area_axis
 
 FLATTEST_RATIO = 1e-4
@@ -33,7 +34,7 @@ def main_axes(
     along the normal, which does not turn with the density of the points.
     """
     if method == "min_area":
-        middle = np.cross(normal, major)
+        middle = cross_product(normal, major)
         along = minimum_area_axis((np.stack([major, middle]) @ centred).T)
         major = along[0] * major + along[1] * middle
-    return np.stack([major, np.cross(normal, major), normal])
+    return np.array([major, cross_product(normal, major), normal])

@@ -8,6 +8,7 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.extents import mean_of
+from flatgrasp_cli.geometry.frames import axes_about
 from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.kernels.projection import projected
 
@@ -33,9 +34,7 @@ class RangeImage:
         middle = mean_of(points) - viewpoint
         distance = max(float(np.linalg.norm(middle)), spacing_m)
         sight = middle / np.linalg.norm(middle) if middle.any() else np.array([0.0, 0.0, -1.0])
-        x = np.cross(np.eye(3)[int(np.argmin(np.abs(sight)))], sight)
-        x /= np.linalg.norm(x)
-        axes = np.stack([x, np.cross(sight, x), sight])
+        axes = axes_about(sight)
         pitch = spacing_m / distance
         nothing = cls(viewpoint, axes, Raster(np.zeros(2), pitch, (1, 1)), np.full((1, 1), np.inf))
         x, y, ranges = nothing._projected(points.T)

@@ -47,7 +47,7 @@ class Raster:
     @property
     def grid(self) -> FloatArray:
         """Where the cells begin, and their size (3,)."""
-        return np.append(self.origin, self.cell_m)
+        return np.array([self.origin[0], self.origin[1], self.cell_m])
 
     @property
     def size(self) -> int:

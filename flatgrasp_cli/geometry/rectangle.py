@@ -7,6 +7,7 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.extents import mean_of
+from flatgrasp_cli.kernels.rim import on_rim
 
 
 def longer_side(points: FloatArray) -> float:
@@ -20,9 +21,9 @@ def minimum_area_axis(points: FloatArray) -> FloatArray:
     One side of that rectangle lies on an edge of the convex hull (Freeman & Shapira, CACM 18(7), 1975), so all edges
     are tried at once.
     """
-    middle = mean_of(points)  # OpenCV's single precision is enough close to it
-    corners = cv2.convexHull((points - middle).astype(np.float32), returnPoints=False)
-    hull = points[corners[:, 0]]
+    middle, few = mean_of(points), points[on_rim(points)]
+    corners = cv2.convexHull((few - middle).astype(np.float32), returnPoints=False)  # precise enough about the middle
+    hull = few[corners[:, 0]]
     edges = np.roll(hull, -1, axis=0) - hull
     along = edges / np.linalg.norm(edges, axis=1, keepdims=True)
     across = np.column_stack([-along[:, 1], along[:, 0]])

@@ -26,6 +26,11 @@ def spread_indices(count: int, size: int) -> IntArray:
     return stretch
 
 
+def even_sample(points: FloatArray, size: int) -> FloatArray:
+    """An even sample (min(size, n), …) of `points` (n, …)."""
+    return points.take(spread_indices(len(points), size), axis=0)  # several times as fast as an index
+
+
 def one_a_cell(points: FloatArray, cell_m: float) -> IntArray:
     """Indices (k,), rising, of the first of `points` (n, 3) in each cube of `cell_m` metres that holds any."""
     cubes = np.zeros(len(points), dtype=np.int64)

@@ -7,6 +7,9 @@ from importlib.machinery import EXTENSION_SUFFIXES
 from pathlib import Path
 
 SUFFIX = EXTENSION_SUFFIXES[0]
+SHARED = "_shared"
+"""The extension with what Cython's array types need, once for all kernels: in each it would be most of what is
+compiled."""
 
 
 def kernels(folder: Path) -> list[Path]:
@@ -36,7 +39,8 @@ def are_compiled(folder: Path) -> bool:
     ImportError
         Some of them are, or from other sources than those in `folder`.
     """
-    compiled = [path.with_name(path.stem + SUFFIX).exists() for path in kernels(folder)]
+    names = [SHARED, *(path.stem for path in kernels(folder))]
+    compiled = [folder.joinpath(name + SUFFIX).exists() for name in names]
     if not any(compiled):
         return False
     if not all(compiled) or not receipt(folder).exists() or receipt(folder).read_text() != digest(folder):

@@ -75,23 +75,21 @@ def _near(
 ) -> cython.Py_ssize_t:
     """Write the edges that may pass within `reach` of the closing axis of any of a grasp's hands; returns how many.
 
-    Seen from their `mean`, hands are aside by no more than their centres are and what their turns make of the distance.
+    Seen from their `mean`, hands are aside by what they miss across their axes and by what their turns make of the way.
     """
     hand: cython.Py_ssize_t
     edge: cython.Py_ssize_t
     found: cython.Py_ssize_t = 0
-    aside: cython.double = SHORTEST_M  # and rounding
-    turned: cython.double = 0.0
+    aside, turned = SHORTEST_M, 0.0  # rounding makes them differ, too
     for hand in range(hands.shape[1]):
-        aside = max(aside, abs(hands[grasp, hand, 0] - mean[grasp, 0]) + abs(hands[grasp, hand, 1] - mean[grasp, 1]))
-        turned = max(turned, abs(hands[grasp, hand, 2] - mean[grasp, 2]) + abs(hands[grasp, hand, 3] - mean[grasp, 3]))
+        ux, uy = hands[grasp, hand, 2], hands[grasp, hand, 3]
+        across: cython.double = (hands[grasp, hand, 1] - mean[grasp, 1]) * ux
+        aside = max(aside, abs(across - (hands[grasp, hand, 0] - mean[grasp, 0]) * uy))
+        turned = max(turned, max(abs(ux - mean[grasp, 2]), abs(uy - mean[grasp, 3])))
     for edge in range(starts.shape[0]):
-        ax: cython.double = starts[edge, 0] - mean[grasp, 0]
-        ay: cython.double = starts[edge, 1] - mean[grasp, 1]
-        bx: cython.double = ends[edge, 0] - mean[grasp, 0]
-        by: cython.double = ends[edge, 1] - mean[grasp, 1]
-        away: cython.double = max(abs(ax) + abs(ay), abs(bx) + abs(by)) + aside
-        limit: cython.double = reach + 2 * aside + turned * away
+        ax, ay = starts[edge, 0] - mean[grasp, 0], starts[edge, 1] - mean[grasp, 1]
+        bx, by = ends[edge, 0] - mean[grasp, 0], ends[edge, 1] - mean[grasp, 1]
+        limit: cython.double = reach + aside + turned * max(abs(ax) + abs(ay), abs(bx) + abs(by))
         from_x: cython.double = ay * mean[grasp, 2] - ax * mean[grasp, 3]
         to_x: cython.double = by * mean[grasp, 2] - bx * mean[grasp, 3]
         if (from_x < limit or to_x < limit) and (from_x > -limit or to_x > -limit):
@@ -103,6 +101,7 @@ def _near(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _seen(
     near: cython.double[:, ::1],
     count: cython.Py_ssize_t,
@@ -131,6 +130,7 @@ def _seen(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _jaw(
     seen: cython.double[:, ::1],
     count: cython.Py_ssize_t,
@@ -157,6 +157,7 @@ def _jaw(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _finger(
     seen: cython.double[:, ::1],
     count: cython.Py_ssize_t,
@@ -176,15 +177,12 @@ def _finger(
     index: cython.Py_ssize_t
     inside: cython.bint = False
     side: cython.double = 2 * jaw - 1
-    near: cython.double = face + tip[2]
-    far: cython.double = face + tip[3]
+    near, far = face + tip[2], face + tip[3]
     for index in range(count):
-        ax: cython.double = seen[index, 0]
-        bx: cython.double = seen[index, 2]
+        ax, bx = seen[index, 0], seen[index, 2]
         if (ax >= offset + tip[0] and bx >= offset + tip[0]) or (ax <= offset - tip[0] and bx <= offset - tip[0]):
             continue
-        ay: cython.double = side * seen[index, 1]
-        by: cython.double = side * seen[index, 3]
+        ay, by = side * seen[index, 1], side * seen[index, 3]
         if max(ay, by) < met[jaw, 1] - tolerance - ON_EDGE_M:  # farther in than what is touched
             continue
         slope: cython.double = (by - ay) / (bx - ax if bx != ax else 1.0)
@@ -210,6 +208,7 @@ def _finger(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _clipped(x: cython.double, middle: cython.double, half: cython.double) -> cython.double:
     """The place nearest to `x` in a strip."""
     return min(max(x, middle - half), middle + half)
@@ -217,6 +216,7 @@ def _clipped(x: cython.double, middle: cython.double, half: cython.double) -> cy
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _slope(
     pads: cython.double[:, ::1],
     found: cython.Py_ssize_t,
@@ -231,8 +231,7 @@ def _slope(
     low_x: cython.double = INFINITY
     high_x: cython.double = -INFINITY
     low_y: cython.double = INFINITY
-    at_left: cython.double = 0.0
-    at_right: cython.double = 0.0
+    at_left, at_right = 0.0, 0.0
     for index in range(found):
         if max(pads[index, 1], pads[index, 3]) < level:
             continue

@@ -58,6 +58,7 @@ def touched_aside(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _off(x: cython.double, fingers: cython.double[::1]) -> cython.double:
     """How far a place lies from the nearest of the fingers' middles."""
     finger: cython.Py_ssize_t

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import cython
 import numpy as np
-from cython.cimports.libc.math import hypot, isnan, sqrt
+from cython.cimports.libc.math import isnan, sqrt
 from numpy.typing import NDArray
 
 
@@ -48,6 +48,7 @@ def going_on(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _half_height(heights: cython.double[:, ::1], flank: cython.Py_ssize_t) -> cython.double:
     """Half of the highest that a flank was seen, or, where something of it was not seen, at least of the ground."""
     place: cython.Py_ssize_t
@@ -59,6 +60,7 @@ def _half_height(heights: cython.double[:, ::1], flank: cython.Py_ssize_t) -> cy
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _line(
     inward: cython.double[::1], heights: cython.double[:, ::1], flank: cython.Py_ssize_t, line: cython.double[::1]
 ) -> cython.double:
@@ -89,6 +91,7 @@ def _line(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _strays_from_line(
     inward: cython.double[::1], heights: cython.double[:, ::1], flank: cython.Py_ssize_t, line: cython.double[::1]
 ) -> cython.double:
@@ -103,6 +106,7 @@ def _strays_from_line(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _strays_from_ellipse(
     inward: cython.double[::1],
     heights: cython.double[:, ::1],
@@ -139,6 +143,7 @@ def most_nearby(
             alike: cython.double = direction[one, 0] * direction[other, 0] + direction[one, 1] * direction[other, 1]
             if extent[other] > most[one] and alike > 0:
                 dx: cython.double = contact[one, 0] - contact[other, 0]
-                if hypot(dx, contact[one, 1] - contact[other, 1]) <= width[one]:
+                dy: cython.double = contact[one, 1] - contact[other, 1]
+                if dx * dx + dy * dy <= width[one] * width[one]:
                     most[one] = extent[other]
     return found

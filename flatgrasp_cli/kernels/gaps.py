@@ -41,6 +41,8 @@ def two_skins(
             lowest[box], highest[box] = INFINITY, -INFINITY
         for point in range(points.shape[0]):
             x: cython.double = points[point, 0] - places[place, 0]
+            if abs(x) > reach:
+                continue
             y: cython.double = points[point, 1] - places[place, 1]
             if sqrt(x * x + y * y) <= reach:
                 box = cython.cast(cython.Py_ssize_t, (heights[point] - bottom) / apart)

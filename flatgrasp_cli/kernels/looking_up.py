@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _cell(
     place: cython.double, low: cython.double, cell_m: cython.double, count: cython.Py_ssize_t
 ) -> cython.Py_ssize_t:
@@ -53,6 +54,7 @@ def over(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _moved(
     values: cython.double[:, ::1],
     x: cython.const[cython.double][:],  # type: ignore[valid-type]

@@ -14,6 +14,7 @@ NONE = cython.declare(cython.Py_ssize_t, -1)
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _node(i: cython.Py_ssize_t, j: cython.Py_ssize_t, n: cython.Py_ssize_t) -> cython.Py_ssize_t:
     """The flat index of the node (i, j), which is (j, i), too."""
     return min(i, j) * n + max(i, j)

@@ -10,7 +10,7 @@ from cython.cimports.libc.math import sqrt
 from numpy.typing import NDArray
 
 INFINITY = cython.declare(cython.double, math.inf)
-POINTS_PER_CELL = cython.declare(cython.double, 3.0)
+POINTS_PER_CELL = cython.declare(cython.double, 1.0)
 """Points in a cell of the grid in which neighbours are looked for: it decides how long that takes, and nothing else."""
 
 
@@ -53,6 +53,7 @@ def squared_reach(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _step(place: cython.float, low: cython.double, per_cell: cython.double) -> cython.Py_ssize_t:
     """The row or column that holds a place."""
     return cython.cast(cython.Py_ssize_t, (place - low) * per_cell)
@@ -113,6 +114,7 @@ def _sort(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _around(
     places: cython.float[:, ::1],
     begin: cython.Py_ssize_t[::1],

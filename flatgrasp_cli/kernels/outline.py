@@ -10,7 +10,7 @@ import math
 
 import cython
 import numpy as np
-from cython.cimports.libc.math import copysign, fmod, hypot, sqrt
+from cython.cimports.libc.math import copysign, fmod, sqrt
 from numpy.typing import NDArray
 
 NAN = cython.declare(cython.double, math.nan)
@@ -30,6 +30,7 @@ def contains(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _inside(
     starts: cython.double[:, ::1], ends: cython.double[:, ::1], x: cython.double, y: cython.double
 ) -> cython.bint:
@@ -87,7 +88,9 @@ def arc_lengths(loop: cython.const[cython.double][:, :]) -> NDArray[np.float64]:
     arc: cython.double[::1] = found
     for vertex in range(loop.shape[0]):
         after: cython.Py_ssize_t = vertex + 1 if vertex + 1 < loop.shape[0] else 0
-        arc[vertex + 1] = arc[vertex] + hypot(loop[after, 0] - loop[vertex, 0], loop[after, 1] - loop[vertex, 1])
+        x: cython.double = loop[after, 0] - loop[vertex, 0]
+        y: cython.double = loop[after, 1] - loop[vertex, 1]
+        arc[vertex + 1] = arc[vertex] + sqrt(x * x + y * y)
     return found
 
 
@@ -137,7 +140,7 @@ def chord_walk(loop: cython.double[:, :], arc: cython.double[::1], radius: cytho
         ay: cython.double = loop[vertex, 1]
         ux: cython.double = (loop[following, 0] - ax) / length
         uy: cython.double = (loop[following, 1] - ay) / length
-        while hypot(loop[following, 0] - cx, loop[following, 1] - cy) > radius and found < positions.shape[0]:
+        while _is_beyond(loop[following, 0] - cx, loop[following, 1] - cy, radius) and found < positions.shape[0]:
             along: cython.double = _leaves(cx - ax, cy - ay, ux, uy, radius)
             positions[found] = arc[vertex] + along
             found += 1
@@ -149,6 +152,15 @@ def chord_walk(loop: cython.double[:, :], arc: cython.double[::1], radius: cytho
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
+def _is_beyond(x: cython.double, y: cython.double, radius: cython.double) -> cython.bint:
+    """Whether a place lies outside the circle around the origin."""
+    return x * x + y * y > radius * radius
+
+
+@cython.cfunc
+@cython.inline
+@cython.exceptval(check=False)
 def _leaves(
     px: cython.double, py: cython.double, ux: cython.double, uy: cython.double, radius: cython.double
 ) -> cython.double:
@@ -184,7 +196,7 @@ def circle_exits(
             end: cython.Py_ssize_t = (first + step) % count
             dx: cython.double = loop[end, 0] - centres[place, 0]
             dy: cython.double = loop[end, 1] - centres[place, 1]
-            if dx * dx + dy * dy > radius[place] * radius[place]:
+            if _is_beyond(dx, dy, radius[place]):
                 start: cython.Py_ssize_t = end - 1 if end > 0 else count - 1
                 length: cython.double = arc[start + 1] - arc[start]
                 px: cython.double = centres[place, 0] - loop[start, 0]

@@ -72,6 +72,7 @@ def swept(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _sweep(
     points: cython.double[:, ::1],
     edges: cython.Py_ssize_t[::1],

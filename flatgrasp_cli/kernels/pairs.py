@@ -6,7 +6,7 @@ import math
 
 import cython
 import numpy as np
-from cython.cimports.libc.math import acos, cos, hypot
+from cython.cimports.libc.math import acos, cos, sqrt
 from numpy.typing import NDArray
 
 INFINITY = cython.declare(cython.double, math.inf)
@@ -87,6 +87,7 @@ def _collect(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _gamma_deg(cosine: cython.double) -> cython.double:
     return DEGREES * acos(min(max(cosine, -1.0), 1.0))
 
@@ -108,7 +109,7 @@ def weighed(
         j: cython.Py_ssize_t = pairs[1, index]
         ex: cython.double = contact[j, 0] - contact[i, 0]
         ey: cython.double = contact[j, 1] - contact[i, 1]
-        distance: cython.double = hypot(ex, ey)
+        distance: cython.double = sqrt(ex * ex + ey * ey)
         if distance > 0:
             ex /= distance
             ey /= distance
@@ -129,5 +130,6 @@ def weighed(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _tangent(sine: cython.double, cosine: cython.double) -> cython.double:
     return abs(sine) / cosine if cosine > 0 else INFINITY

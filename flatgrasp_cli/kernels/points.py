@@ -50,6 +50,7 @@ def measured(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _was_measured(x: cython.double, y: cython.double, z: cython.double, farthest: cython.double) -> cython.bint:
     """Whether a point is finite, near, and not exactly 0 0 0."""
     near_enough: cython.bint = abs(x) <= farthest and abs(y) <= farthest and abs(z) <= farthest  # false for NaN, too

@@ -19,6 +19,7 @@ PARALLEL = cython.declare(cython.double, 1e-200)
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _crossings(
     starts: cython.double[:, ::1],
     edges: cython.double[:, ::1],

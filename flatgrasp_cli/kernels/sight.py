@@ -14,6 +14,7 @@ INFINITY = cython.declare(cython.double, math.inf)
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _cell(
     place: cython.double, low: cython.double, cell_m: cython.double, count: cython.Py_ssize_t
 ) -> cython.Py_ssize_t:
@@ -43,49 +44,119 @@ def hidden(
     found = np.empty(places.shape[1], dtype=np.uint8)
     is_hidden: cython.uchar[::1] = found
     for index in range(places.shape[1]):
-        dx: cython.double = places[0, index] - eye[0, 0]
-        dy: cython.double = places[1, index] - eye[0, 1]
-        dz: cython.double = places[2, index] - eye[0, 2]
-        x: cython.double = eye[1, 0] * dx + eye[1, 1] * dy + eye[1, 2] * dz
-        y: cython.double = eye[2, 0] * dx + eye[2, 1] * dy + eye[2, 2] * dz
-        z: cython.double = eye[3, 0] * dx + eye[3, 1] * dy + eye[3, 2] * dz
-        away: cython.double = sqrt(x * x + y * y + z * z)
-        got: cython.double = INFINITY
-        if z > 0:
-            row: cython.Py_ssize_t = _cell(x / max(z, 1e-9), pixels[0], pixels[2], ranges.shape[0])
-            got = ranges[row, _cell(y / max(z, 1e-9), pixels[1], pixels[2], ranges.shape[1])]
-        if got < INFINITY:
-            is_hidden[index] = got < away - (behind[0] + behind[1] * away)
-        else:
-            is_hidden[index] = not _meets(places, index, eye, ground, cells, levels)
+        x: cython.double = places[0, index]
+        y: cython.double = places[1, index]
+        is_hidden[index] = _hides(x, y, places[2, index], eye, pixels, ranges, ground, cells, levels, behind)
     return found.view(np.bool_)
+
+
+def going_on(
+    chords: cython.double[:, ::1],
+    out: cython.double[::1],
+    along: cython.double[::1],
+    heights: cython.double[::1],
+    lowest: cython.double[:, ::1],
+    grid: cython.double[::1],
+    eye: cython.double[:, ::1],
+    pixels: cython.double[::1],
+    ranges: cython.double[:, ::1],
+    ground: cython.double[:, ::1],
+    cells: cython.double[::1],
+    levels: cython.double[:, ::1],
+    behind: cython.double[::1],
+) -> NDArray[np.intp]:
+    """At how many of the distances `out` (d,) from each of `chords` (m, 6), from the first on, something may stand.
+
+    A chord is its middle, the way along it and the unit vector inward. Something may stand at a distance if it may at
+    most of the places there, shares `along` (a,) the chord: where nothing was seen that is higher than the chord's one
+    of `heights` (m,) in the map `lowest`, on the `grid` (3,), and where that height is hidden. Other arguments are
+    those of `hidden`.
+    """
+    chord: cython.Py_ssize_t
+    step: cython.Py_ssize_t
+    place: cython.Py_ssize_t
+    found = np.zeros(chords.shape[0], dtype=np.intp)
+    far: cython.Py_ssize_t[::1] = found
+    for chord in range(chords.shape[0]):
+        for step in range(out.shape[0]):
+            may: cython.Py_ssize_t = 0
+            for place in range(along.shape[0]):
+                x: cython.double = chords[chord, 0] + along[place] * chords[chord, 2] - out[step] * chords[chord, 4]
+                y: cython.double = chords[chord, 1] + along[place] * chords[chord, 3] - out[step] * chords[chord, 5]
+                row: cython.Py_ssize_t = _cell(x, grid[0], grid[2], lowest.shape[0])
+                if lowest[row, _cell(y, grid[1], grid[2], lowest.shape[1])] <= heights[chord]:
+                    may += _hides(x, y, heights[chord], eye, pixels, ranges, ground, cells, levels, behind)
+            if 2 * may <= along.shape[0]:
+                break
+            far[chord] += 1
+    return found
 
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
+def _hides(
+    px: cython.double,
+    py: cython.double,
+    pz: cython.double,
+    eye: cython.double[:, ::1],
+    pixels: cython.double[::1],
+    ranges: cython.double[:, ::1],
+    ground: cython.double[:, ::1],
+    cells: cython.double[::1],
+    levels: cython.double[:, ::1],
+    behind: cython.double[::1],
+) -> cython.bint:
+    """Whether a place lies behind what its ray met, or on a ray with no end; arguments as in `hidden`."""
+    dx: cython.double = px - eye[0, 0]
+    dy: cython.double = py - eye[0, 1]
+    dz: cython.double = pz - eye[0, 2]
+    x: cython.double = eye[1, 0] * dx + eye[1, 1] * dy + eye[1, 2] * dz
+    y: cython.double = eye[2, 0] * dx + eye[2, 1] * dy + eye[2, 2] * dz
+    z: cython.double = eye[3, 0] * dx + eye[3, 1] * dy + eye[3, 2] * dz
+    away: cython.double = sqrt(x * x + y * y + z * z)
+    got: cython.double = INFINITY
+    if z > 0:
+        row: cython.Py_ssize_t = _cell(x / max(z, 1e-9), pixels[0], pixels[2], ranges.shape[0])
+        got = ranges[row, _cell(y / max(z, 1e-9), pixels[1], pixels[2], ranges.shape[1])]
+    if got < INFINITY:
+        return got < away - (behind[0] + behind[1] * away)
+    return not _meets(px, py, pz, eye, ground, cells, levels)
+
+
+@cython.cfunc
+@cython.inline
+@cython.exceptval(check=False)
 def _meets(
-    places: cython.const[cython.double][:, :],  # type: ignore[valid-type]
-    index: cython.Py_ssize_t,
+    px: cython.double,
+    py: cython.double,
+    pz: cython.double,
     eye: cython.double[:, ::1],
     ground: cython.double[:, ::1],
     cells: cython.double[::1],
     levels: cython.double[:, ::1],
 ) -> cython.bint:
     """Whether the ray through a place meets the ground where that was seen."""
-    axis: cython.Py_ssize_t
-    high: cython.double = 0.0
-    low: cython.double = 0.0
-    for axis in range(3):
-        high += ground[3, axis] * (eye[0, axis] - ground[0, axis])
-        low += ground[3, axis] * (places[axis, index] - ground[0, axis])
+    high: cython.double = _over(eye[0, 0], eye[0, 1], eye[0, 2], ground, 3)
+    low: cython.double = _over(px, py, pz, ground, 3)
     if high - low <= 0:
         return False
     share: cython.double = high / (high - low)
-    x: cython.double = 0.0
-    y: cython.double = 0.0
-    for axis in range(3):
-        met: cython.double = eye[0, axis] + share * (places[axis, index] - eye[0, axis]) - ground[0, axis]
-        x += ground[1, axis] * met
-        y += ground[2, axis] * met
-    row: cython.Py_ssize_t = _cell(x, cells[0], cells[2], levels.shape[0])
-    return levels[row, _cell(y, cells[1], cells[2], levels.shape[1])] > -INFINITY
+    px = eye[0, 0] + share * (px - eye[0, 0])
+    py = eye[0, 1] + share * (py - eye[0, 1])
+    pz = eye[0, 2] + share * (pz - eye[0, 2])
+    row: cython.Py_ssize_t = _cell(_over(px, py, pz, ground, 1), cells[0], cells[2], levels.shape[0])
+    column: cython.Py_ssize_t = _cell(_over(px, py, pz, ground, 2), cells[1], cells[2], levels.shape[1])
+    return levels[row, column] > -INFINITY
+
+
+@cython.cfunc
+@cython.inline
+@cython.exceptval(check=False)
+def _over(
+    x: cython.double, y: cython.double, z: cython.double, frame: cython.double[:, ::1], axis: cython.Py_ssize_t
+) -> cython.double:
+    """Where a place lies along an axis, a row from 1 on, of a frame whose origin is row 0."""
+    dx: cython.double = x - frame[0, 0]
+    dy: cython.double = y - frame[0, 1]
+    return frame[axis, 0] * dx + frame[axis, 1] * dy + frame[axis, 2] * (z - frame[0, 2])

@@ -68,6 +68,7 @@ def arms(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _suffices(need: cython.double, friction: cython.double, spread: cython.double) -> cython.double:
     """How probable it is that pads have the friction that is needed, by the share that it is known to."""
     return min(max(((1 + spread) - need / friction) / max(2 * spread, NARROW), 0.0), 1.0)
@@ -88,6 +89,7 @@ def suffices(need: cython.double[::1], friction: cython.double, spread: cython.d
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _lean(leans: cython.double[:, ::1], grasp: cython.Py_ssize_t, missing: cython.double) -> cython.double:
     """Of a grasp's leans at equal steps of what is missing of the grip, that at one share of it; or the last."""
     steps: cython.Py_ssize_t = leans.shape[1]
@@ -98,6 +100,7 @@ def _lean(leans: cython.double[:, ::1], grasp: cython.Py_ssize_t, missing: cytho
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _tried(
     met: cython.double[:, :, ::1],
     grasps: cython.double[:, ::1],

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import cython
 import numpy as np
-from cython.cimports.libc.math import hypot
 from numpy.typing import NDArray
 
 
@@ -35,8 +34,9 @@ def differing(
         for place in range(found):
             other = kept[place]
             sine: cython.double = axis[one, 0] * axis[other, 1] - axis[one, 1] * axis[other, 0]
-            away: cython.double = hypot(center[one, 0] - center[other, 0], center[one, 1] - center[other, 1])
-            if away < apart_m and abs(sine) < apart_sine:
+            x: cython.double = center[one, 0] - center[other, 0]
+            y: cython.double = center[one, 1] - center[other, 1]
+            if x * x + y * y < apart_m * apart_m and abs(sine) < apart_sine:
                 like = True
                 break
         if not like:

@@ -49,6 +49,7 @@ def nearest_means(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _goes_on(
     depth: cython.double[:, ::1],
     row: cython.Py_ssize_t,

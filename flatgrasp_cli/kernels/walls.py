@@ -18,6 +18,7 @@ UNSEEN = cython.declare(cython.double, -math.inf)
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _cell(
     place: cython.double, low: cython.double, cell_m: cython.double, count: cython.Py_ssize_t
 ) -> cython.Py_ssize_t:
@@ -27,6 +28,7 @@ def _cell(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _look(
     chords: cython.double[:, ::1],
     chord: cython.Py_ssize_t,
@@ -49,6 +51,7 @@ def _look(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _mean(values: cython.double[:, ::1], of: cython.Py_ssize_t) -> cython.double:
     """The mean of a row of what was seen, of the places where the surface was; NaN if there are none."""
     place: cython.Py_ssize_t
@@ -150,6 +153,7 @@ def faces(
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _recess(
     heights: cython.double[:, :, ::1],
     kind: cython.Py_ssize_t,

@@ -39,6 +39,7 @@ def nearest_facets(wrenches: cython.double[:, :, ::1]) -> NDArray[np.float64]:
 
 @cython.cfunc
 @cython.inline
+@cython.exceptval(check=False)
 def _inward(
     wrenches: cython.double[:, :, ::1],
     row: cython.Py_ssize_t,

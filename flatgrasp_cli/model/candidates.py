@@ -3,26 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, TypeVar
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
-
-T = TypeVar("T", "FingerCandidates", "GraspCandidates")
-
-
-def _select(table: T, keep: BoolArray | IntArray) -> T:
-    """The rows of a table that a mask or an index array names; columns that are not filled yet stay so."""
-    rows = np.flatnonzero(keep) if keep.dtype == np.bool_ else keep
-    if len(rows) == len(table) and np.array_equal(rows, np.arange(len(rows))):
-        return table
-    columns = [getattr(table, name) for name in table.__slots__]  # dataclasses.fields takes as long as the rest
-    return type(table)(*(values.take(rows, axis=0) if len(values) else values for values in columns))
+from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
+from flatgrasp_cli.model.table import Table
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class FingerCandidates:
+@dataclass(frozen=True, eq=False)
+class FingerCandidates(Table):
     """m places for a finger: chords of length `width` (m,) of the boundary.
 
     `start`, `end`, `contact` (their midpoint) and the inward unit `direction` are (m, 2); `arcs` (m, k, 2) sample the
@@ -47,17 +36,13 @@ class FingerCandidates:
         """Number of candidates."""
         return len(self.jaw)
 
-    def select(self, keep: BoolArray | IntArray) -> FingerCandidates:
-        """The candidates that `keep`, a mask or an index array, names."""
-        return _select(self, keep)
-
 
 def _unfilled() -> FloatArray:
     return np.empty(0)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class GraspCandidates:
+@dataclass(frozen=True, eq=False)
+class GraspCandidates(Table):
     """The grasp table: p pairs of finger candidates and what each section of the method finds out about them.
 
     Every column has p rows, or none while its section has not been reached. Coordinates and lengths are those of the
@@ -129,12 +114,12 @@ class GraspCandidates:
     @property
     def width(self) -> FloatArray:
         """The object's width between the pads (p,)."""
-        return np.asarray(self.pads.sum(axis=1))
+        return np.asarray(self.pads[:, 0] + self.pads[:, 1])
 
     @property
     def beyond(self) -> FloatArray:
         """How far (p,) the object at most goes on beyond the pads, out of sight, on the side where that is more."""
-        return np.asarray(0.5 * self.hidden.max(axis=1))
+        return np.asarray(0.5 * np.maximum(self.hidden[:, 0], self.hidden[:, 1]))
 
     @property
     def center(self) -> FloatArray:
@@ -145,11 +130,7 @@ class GraspCandidates:
     @property
     def hands(self) -> FloatArray:
         """Where hands that have closed stand, rows (p, 5): the centre, the closing axis, and half the width."""
-        return np.column_stack([self.center, self.axis, 0.5 * self.width])
-
-    def select(self, keep: BoolArray | IntArray) -> GraspCandidates:
-        """The pairs that `keep`, a mask or an index array, names."""
-        return _select(self, keep)
+        return np.concatenate([self.center, self.axis, 0.5 * self.width[:, None]], axis=1)
 
     def first(self, count: int) -> GraspCandidates:
         """The first `count` pairs, or all of them if there are fewer."""
@@ -165,22 +146,15 @@ class GraspCandidates:
         """The pairs and then `others`, whose missing numbers are NaN."""
         if len(others) == 0:
             return self
-        columns = []
-        for name in self.__slots__:
-            mine, theirs = getattr(self, name), getattr(others, name)
-            if len(mine) and not len(theirs):
-                theirs = np.full((len(others), *mine.shape[1:]), np.nan)
-            columns.append(np.concatenate([mine, theirs]))
-        return GraspCandidates(*columns)
+        mine = {name: values for name, values in vars(self).items() if len(values)}
+        missing = {name: values for name, values in mine.items() if not len(vars(others)[name])}
+        unknown = {name: np.full((len(others), *values.shape[1:]), np.nan) for name, values in missing.items()}
+        return self.joined([self, others.having(**unknown)])
 
     def untried(self) -> GraspCandidates:
         """The same pairs without what was found out by trying them."""
         columns = {name: np.full_like(getattr(self, name), np.nan) for name in ("success", "causes", "probability")}
         return self.having(**columns)
-
-    def having(self, **columns: Any) -> GraspCandidates:
-        """The same pairs with these columns filled in."""
-        return GraspCandidates(**{name: getattr(self, name) for name in self.__slots__} | columns)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -157,6 +157,8 @@ class Cloud:
     pixels: ImageGrid | None = None
     """The image that the points are the pixels of, if they are those of one."""
     warnings: tuple[CloudWarning, ...] = ()
+    measured: FloatArray | None = field(default=None, repr=False)
+    """The `points` again, if all of them are known to have been measured: they are not looked through once more."""
 
     def __post_init__(self) -> None:
         """Check the shapes, and take out what was not measured."""
@@ -172,11 +174,14 @@ class Cloud:
         object.__setattr__(self, "points", points)
         if self.viewpoint is not None:
             object.__setattr__(self, "viewpoint", _place(self.viewpoint))
+        if points is self.measured:
+            return
         lost = not_measured(points, LARGEST_COORDINATE_M)
         if len(lost):
             rest = self.without(lost)
             for name in ("points", "dropped", "colors", "pixels"):
                 object.__setattr__(self, name, getattr(rest, name))
+        object.__setattr__(self, "measured", self.points)
 
     @property
     def frame_name(self) -> str:
@@ -192,9 +197,11 @@ class Cloud:
     def select(self, keep: BoolArray) -> Cloud:
         """The points (n,) that `keep` names."""
         rows = np.flatnonzero(keep)  # a mask takes several times as long
+        points = self.points.take(rows, axis=0)
         return replace(
             self,
-            points=self.points.take(rows, axis=0),
+            points=points,
+            measured=None if self.measured is None else points,
             colors=None if self.colors is None else self.colors.take(rows, axis=0),
             pixels=None if self.pixels is None else self.pixels.select(keep),
         )

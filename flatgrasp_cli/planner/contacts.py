@@ -41,7 +41,7 @@ def pad_contacts(
     touched = np.empty((len(grasps), 2, 2))
     for side, candidate, sign in ((0, grasps.i, -1.0), (1, grasps.j, 1.0)):
         outward, jaw = sign * grasps.axis, sign * np.asarray(gripper.jaws[side])
-        hands = np.column_stack([center, outward])
+        hands = np.concatenate([center, outward], axis=1)
         aside = sign * touched_aside(hands, fingers.arcs, candidate, jaw, half, tolerance_m)
         touched[:, side] = center + aside[:, None] * across + 0.5 * width[:, None] * outward
     return touched

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -23,7 +23,7 @@ wide.
 MAX_DERIVED_STEPS, MAX_STEPS = 600, 3000
 """Largest number of step points on all loops, with a derived step and with one that was asked for: the matrices of
 pairs then hold 3 MB and 70 MB."""
-ARC_SAMPLES = 17
+ALONG_ARC = np.linspace(0.0, 1.0, 17)
 """Points along the boundary under a chord: 1.4 mm apart under a pad of 22 mm, as fine as a silhouette is known."""
 EITHER_JAW = -1
 """In the column `jaw`: the candidate may be for either of two equal jaws."""
@@ -64,8 +64,7 @@ def finger_candidates(
     longest = (settings.chord_share_max or np.inf) * longer_side(silhouette.loops[0])
     widths = {jaw: _chord_m(gripper, max(jaw, 0), longest) for jaw in jaws}
     parts = [_candidates_of_loop(silhouette.loops[step.loop], step, widths, settings) for step in steps]
-    columns = [column.name for column in fields(FingerCandidates)]
-    found = FingerCandidates(*(np.concatenate([getattr(part, name) for part in parts]) for name in columns))
+    found = FingerCandidates.joined(parts)
     return found.select(np.argsort(found.jaw, kind="stable"))
 
 
@@ -87,7 +86,7 @@ def _candidates_of_loop(
     found = np.isfinite(ends) & ((ends < perimeter) | (settings.walk == "cyclic"))
     found &= ends - begins <= (settings.arc_ratio_max or np.inf) * width
     begins, ends, width = begins[found], ends[found], width[found]
-    arcs = polygon.points_at(loop, begins[:, None] + np.linspace(0.0, 1.0, ARC_SAMPLES) * (ends - begins)[:, None])
+    arcs = polygon.points_at(loop, begins[:, None] + ALONG_ARC * (ends - begins)[:, None])
     start, end = arcs[:, 0], arcs[:, -1]
     normal = polygon.left_normal(end - start)
     return FingerCandidates(

@@ -73,7 +73,7 @@ def swept_fit(
     edges = np.delete(np.arange(len(points) - 1), breaks)
     reach = extents(fingers, grasps)
     offsets = np.array([[jaw, offset] for jaw in (0, 1) for offset in gripper.jaws[jaw]])
-    hands = np.column_stack([grasps.middle, grasps.axis])
+    hands = np.concatenate([grasps.middle, grasps.axis], axis=1)
     pads, room = kernels.swept(points, edges, hands, offsets, 0.5 * gripper.finger_width_m, reach + tolerance_m)
     sunk = reach - pads > half_widths(gripper)
     return pads, np.where(sunk, 0.0, room)

@@ -63,8 +63,9 @@ def plan_object(
     if robot is not None and reaches is not None:
         rows = rows[: len(reaches)]
         item = _with_reach(item, robot, reaches)
-    listed = differing(answer.grasps, (k for k in rows if not reaches or reaches[k].ok), settings.variety, top)
-    refused = differing(answer.grasps, (k for k in rows if reaches and not reaches[k].ok), settings.variety, top)
+    served = [k for k in rows if reaches[k].ok] if reaches else rows
+    listed = differing(answer.grasps, served, settings.variety, top)
+    refused = differing(answer.grasps, [k for k in rows if not reaches[k].ok] if reaches else [], settings.variety, top)
     chosen = [*listed, *refused]
     final = assessed(proved(answer.of(chosen), gripper, settings), gripper, settings)
     found = _lifted(final, plane, gripper, _motion(cloud, plane, gripper, settings), cloud.support)

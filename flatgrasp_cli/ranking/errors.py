@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property, lru_cache
 from statistics import NormalDist
 
@@ -45,9 +45,15 @@ class Errors:
         return np.column_stack([self.across, self.along, np.cos(self.yaw), np.sin(self.yaw)])
 
 
-@lru_cache(maxsize=4)
-def errors_of(unsure: Uncertainty, seed: int) -> Errors:
-    """The samples of the stated errors: the same for the same settings and seed, on any machine."""
+@lru_cache(maxsize=8)
+def errors_of(unsure: Uncertainty, seed: int, first: int = 0, last: int | None = None) -> Errors:
+    """The samples of the stated errors, from the `first` to before the `last`.
+
+    They are the same for the same settings and seed, on any machine.
+    """
+    if first > 0 or last is not None:
+        everything = errors_of(unsure, seed)
+        return Errors(**{each.name: getattr(everything, each.name)[first:last] for each in fields(Errors)})
     *rows, density, luck = _sequence(unsure.samples, seed).T
     inverse = NormalDist().inv_cdf
     across, along, height, yaw, *center, outline = np.array([[inverse(value) for value in row] for row in rows])

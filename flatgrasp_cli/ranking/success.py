@@ -38,19 +38,26 @@ tries in simulation that came to that, about 30, two or three were lost."""
 
 @dataclass(frozen=True, eq=False)
 class Situation:
-    """What grasps are carried out on, among what, and with which hand; and with which `share` of the samples."""
+    """What grasps are carried out on, among what, and with which hand; and in which of the samples."""
 
     shape: PlaneShape
     surroundings: Surroundings
     gripper: Gripper
     settings: PlannerSettings
 
-    share: float = 1.0
+    first: int = 0
+    last: int | None = None
+    """The samples are those from the `first` to before this one; None for all."""
 
     @property
     def briefly(self) -> Situation:
         """The same, with a quarter of the samples: their first, which are spread evenly, too."""
-        return replace(self, share=0.25)
+        return replace(self, last=max(1, round(0.25 * self.unsure.samples)))
+
+    @property
+    def to_the_end(self) -> Situation:
+        """The same for grasps that were tried `briefly`: with the other samples, and those count, too."""
+        return replace(self, first=self.briefly.last or 0)
 
     @cached_property
     def unsure(self) -> Uncertainty:
@@ -60,8 +67,7 @@ class Situation:
     @cached_property
     def errors(self) -> Errors:
         """The samples of what is not known, the same for all grasps."""
-        samples = max(1, round(self.share * self.unsure.samples))
-        return errors_of(replace(self.unsure, samples=samples), self.settings.seed)
+        return errors_of(self.unsure, self.settings.seed, self.first, self.last)
 
     def tried(self, grasps: GraspCandidates, tolerances: Sequence[Tolerance | None] = ()) -> GraspCandidates:
         """The k grasps with `success`, `causes` and `probability`.
@@ -69,12 +75,18 @@ class Situation:
         `tolerances` say of each how far a hand may miss that comes into a cage's basin, where it does: then closing
         ends in the grasp.
         """
+        if len(self.errors) == 0:
+            return grasps
         left = self._chances(grasps, _inside(tolerances, grasps, self.errors))
-        causes = -np.diff(left, axis=1, prepend=1.0)
+        causes = np.concatenate([np.ones((len(grasps), 1)), left[:, :-1]], axis=1) - left
         after = left[:, np.cumsum([len(CLEAR), len(CLOSES), len(LIFTS)]) - 1]
+        if self.first > 0:
+            part = self.first / (self.first + len(self.errors))
+            causes = part * grasps.causes + (1 - part) * causes
+            after = part * np.cumprod(grasps.success, axis=1) + (1 - part) * after
         before = np.column_stack([np.ones(len(grasps)), after[:, :-1]])
         success = np.divide(after, before, out=np.ones_like(after), where=before > 0)
-        return grasps.having(success=success, causes=causes, probability=left[:, -1])
+        return grasps.having(success=success, causes=causes, probability=after[:, -1])
 
     def _chances(self, grasps: GraspCandidates, inside: BoolArray) -> FloatArray:
         """How probably k grasps have not failed yet (k, c) after each of the `CAUSES`.
@@ -83,7 +95,7 @@ class Situation:
         depends on friction alone, or on what was not seen, is a chance in each sample; all else is 0 or 1 there.
         """
         errors, unsure = self.errors, self.unsure
-        wanted = np.column_stack([grasps.center, grasps.axis, 0.5 * grasps.opening])
+        wanted = np.concatenate([grasps.center, grasps.axis, 0.5 * grasps.opening[:, None]], axis=1)
         hands = OpenHands(kernels.moved(wanted, errors.misses), grasps.tip[:, None] + errors.height)
         force_n, grip_m = self.gripper.max_force_n or unsure.force_n, self._grip_m(grasps)
         pads = np.column_stack([np.full(len(grasps), self.gripper.finger_width_m), grip_m])

@@ -11,12 +11,13 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.frames import Frame, frame_on_plane
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
+from flatgrasp_cli.geometry.hull import depths
 from flatgrasp_cli.geometry.raster import Raster
-from flatgrasp_cli.geometry.sampling import spread_indices
+from flatgrasp_cli.geometry.sampling import even_sample, spread_indices
 from flatgrasp_cli.geometry.scatter import deviation
 from flatgrasp_cli.model import Floor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
-from flatgrasp_cli.scene.cells import LEVEL_WINDOW_M, SMOOTH_CELLS, SortedPoints, fitting_cell_m, smoothed
+from flatgrasp_cli.scene.cells import LEVEL_WINDOW_M, SMOOTH_CELLS, SortedPoints, fitting_cell_m, smoothed, usual
 from flatgrasp_cli.scene.masks import ends_of, hull_of, span_of
 from flatgrasp_cli.scene.strays import lonely
 from flatgrasp_cli.scene.support_plane import FINE_SAMPLE, GOOD_PART, NEAR_M, SIGMAS, flatness_m
@@ -63,16 +64,15 @@ def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettin
     labels = _labels(_bridged(standing, 0.5 * settings.min_size_m / raster.cell_m)) * standing
     chosen = _objects(found, labels, table, settings)
 
-    # from here on only the points in cells that stand out, which are few
-    rows = np.flatnonzero(standing.take(found.cell))
-    cell = found.cell[rows]
-    rows = rows[found.heights[rows] > np.minimum(flat_m, 0.5 * own.ravel()[cell])]
-    rows = rows[~lonely(points[rows], SMOOTH_CELLS * found.raster.cell_m)]
-    piece = labels.ravel()[found.cell[rows]]  # without the plane's points at an object's edge
+    # from here on only the points in cells that stand out, which are few, without the plane's at an object's edge
+    rows, heights = found.standing(np.where(standing, np.minimum(flat_m, 0.5 * own), np.inf))
+    among = np.flatnonzero(~lonely(points.take(rows, axis=0), SMOOTH_CELLS * found.raster.cell_m))
+    rows, heights = rows[among], heights[among]
+    piece = labels.ravel()[found.cell[rows]]
     return Clusters(
         members=tuple(rows[piece == name] for name in chosen),
         clutter=rows[~np.isin(piece, chosen)],
-        floor=_floor(frame, found, rows, settings.least_part_m),
+        floor=_floor(frame, found, rows, heights, settings.least_part_m),
         lie_on_table=bool(chosen) and _outside_share(labels, chosen, table) >= GOOD_PART,
         extent_m=float(found.raster.cell_m * np.hypot(*span_of(table))),
     )
@@ -81,7 +81,7 @@ def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettin
 def _raster(points: FloatArray, frame: Frame, flat_m: float, coarse_m: float) -> Raster:
     """A raster of the plane and a margin around it, as far as there are points, laid out by an even sample of them."""
     chosen = spread_indices(len(points), FINE_SAMPLE)
-    x, y, heights = frame.to_local(points[chosen]).T
+    x, y, heights = frame.to_local(points.take(chosen, axis=0)).T
     flat = np.abs(heights) < flat_m
     sides = [(x, x[flat]), (y, y[flat])]
     low = np.array([max(every_one.min(), own.min() - NEAR_M) for every_one, own in sides])
@@ -89,18 +89,18 @@ def _raster(points: FloatArray, frame: Frame, flat_m: float, coarse_m: float) ->
     return Raster.over(low, high, fitting_cell_m(x[flat], y[flat], coarse_m, len(points) / len(chosen)))
 
 
-def _floor(frame: Frame, found: SortedPoints, rows: IntArray, width_m: float) -> Floor:
+def _floor(frame: Frame, found: SortedPoints, rows: IntArray, heights: FloatArray, width_m: float) -> Floor:
     """The cells with points of the plane, at the mean height of those around them: a cell's own is mostly noise.
 
     They are those in a square of `width_m`, no wider than a finger with its clearance. `rows` are the points that are
-    not the plane's.
+    not the plane's, at `heights`.
     """
-    cell = found.cell[rows]
+    cell = found.cell[rows].astype(np.intp)
     count = found.count - found.raster.count(cell)
-    mean = (found.total - found.raster.total(cell, found.heights[rows])) / np.maximum(count, 1)
+    mean = (found.total - found.raster.total(cell, heights)) / np.maximum(count, 1)
     level = smoothed(mean, count, 2 * round(0.5 * width_m / found.raster.cell_m) + 1)
     levels = HeightMap(found.raster, np.where(count > 0, level, UNSEEN))
-    return Floor(frame, levels, found.raster.cell_m / float(np.sqrt(np.median(count[count > 0]))))
+    return Floor(frame, levels, found.raster.cell_m / float(np.sqrt(usual(count))))
 
 
 def _standing(
@@ -110,7 +110,7 @@ def _standing(
     window = 2 * round(0.5 * LEVEL_WINDOW_M / found.raster.cell_m) + 1
     smooth = smoothed(own, found.count, SMOOTH_CELLS) - smoothed(own, table, window)
     ripple = smooth[table]
-    scatter = deviation(ripple[spread_indices(len(ripple), FINE_SAMPLE)])
+    scatter = deviation(even_sample(ripple, FINE_SAMPLE))
     highest = scatter * np.sqrt(2 * np.log(len(ripple)))  # that noise alone makes of so many (Donoho & Johnstone 1994)
     threshold = max(settings.min_height_m, highest)
     sure = SIGMAS * noise_m / np.sqrt(np.maximum(found.count, 1))
@@ -138,13 +138,11 @@ def _broad(mask: BoolArray, cells: float) -> BoolArray:
     labels = _labels(bridged)
     core = cv2.erode(bridged, np.ones((width, width), np.uint8)) > 0
     broad = np.bincount(labels[core], minlength=int(labels.max()) + 1) > 0
-    return np.asarray(broad[labels] & mask)
+    return np.asarray(broad.take(labels) & mask)
 
 
 def _objects(found: SortedPoints, labels: IntArray, table: BoolArray, settings: SceneSettings) -> list[int]:
     """Names of the clusters that are objects, largest first: large enough, and amid the plane."""
-    import shapely
-
     cell = np.flatnonzero(labels)
     row, column = np.divmod(cell, labels.shape[1])
     name_of = labels.ravel()[cell]
@@ -152,13 +150,14 @@ def _objects(found: SortedPoints, labels: IntArray, table: BoolArray, settings: 
     points = np.bincount(name_of, weights=found.count.ravel()[cell])
     large = (cells * found.raster.cell_m**2 >= settings.min_size_m**2) & (points >= MIN_POINTS)
     least_part = settings.least_part_m / found.raster.cell_m
-    amid = hull_of(table).buffer(-0.5 * least_part)  # nearer to the edge of a view, half of such a part is cut off
-    chosen = []
+    hull, chosen = hull_of(table), []
     for name in np.flatnonzero(large).tolist():
         own = np.stack([row[name_of == name], column[name_of == name]])
         low, high = own.min(axis=1), own.max(axis=1) + 1
         middle = own.mean(axis=1)
-        if shapely.contains_xy(amid, *middle) and _sectors(low, high, middle, table, least_part) >= GOOD_PART * SECTORS:
+        if depths(hull, middle[None])[0] <= 0.5 * least_part:
+            continue  # so near to the edge of a view, half of such a part is cut off
+        if _sectors(low, high, middle, table, least_part) >= GOOD_PART * SECTORS:
             chosen.append(name)
     return sorted(chosen, key=lambda name: -int(cells[name]))
 

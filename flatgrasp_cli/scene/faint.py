@@ -8,7 +8,8 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.geometry.extents import mean_of
-from flatgrasp_cli.geometry.sampling import spread_indices
+from flatgrasp_cli.geometry.sampling import even_sample
+from flatgrasp_cli.geometry.scatter import median, quantile
 from flatgrasp_cli.model import SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.clusters import Clusters
@@ -29,15 +30,15 @@ def without_faint(
     The noise of depth from disparity grows with the square of the distance from `viewpoint` (3,) (Khoshelham & Elberink
     2012); the plane's own is that at its middle distance.
     """
-    sample = points[spread_indices(len(points), SAMPLE)]
+    sample = even_sample(points, SAMPLE)
     flat = sample[np.abs(plane.heights(sample)) < flatness_m(plane, settings)]
-    usual_m = float(np.median(np.linalg.norm((flat if len(flat) else sample) - viewpoint, axis=1)))
+    usual_m = median(np.linalg.norm((flat if len(flat) else sample) - viewpoint, axis=1))
     reach = WINDOW_PX * clusters.floor.spacing_m / usual_m
 
     def is_faint(own: FloatArray) -> bool:
         share = float(np.linalg.norm(mean_of(own) - viewpoint)) / usual_m
         heights = plane.heights(own)
-        if float(np.quantile(heights, MOST)) < SIGMAS * plane.noise_m * share**2:
+        if quantile(heights, MOST) < SIGMAS * plane.noise_m * share**2:
             return True
         if float(heights.mean()) > settings.min_size_m:
             return False

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.hull import convex_hull
 
 
-def hull_of(mask: BoolArray) -> Any:
-    """Convex hull of a mask's cells, as a shapely geometry; the first and the last cell of each row suffice."""
-    import shapely
-
+def hull_of(mask: BoolArray) -> FloatArray:
+    """Corners (c, 2) of the convex hull of a mask's cells; the first and the last cell of each row suffice."""
     rows, first, last = ends_of(mask)
-    ends = np.column_stack([np.tile(rows, 2), np.concatenate([first, last])])
-    return shapely.LineString(ends).convex_hull  # of a line: a geometry of many points takes long to make
+    return convex_hull(np.column_stack([np.tile(rows, 2), np.concatenate([first, last])]).astype(np.float64))
 
 
 def ends_of(mask: BoolArray) -> tuple[IntArray, IntArray, IntArray]:

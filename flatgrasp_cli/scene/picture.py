@@ -6,9 +6,12 @@ import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
-from flatgrasp_cli.geometry.extents import mean_of
+from flatgrasp_cli.geometry.extents import bounds_of, mean_of
 from flatgrasp_cli.geometry.height_map import UNSEEN
+from flatgrasp_cli.geometry.hull import depths
 from flatgrasp_cli.geometry.sampling import spread_indices
+from flatgrasp_cli.geometry.scatter import median
+from flatgrasp_cli.kernels.rim import on_rim
 from flatgrasp_cli.model import Cloud, Floor
 from flatgrasp_cli.scene.cells import SMOOTH_CELLS
 from flatgrasp_cli.scene.clusters import SECTORS
@@ -35,9 +38,9 @@ def cut_off(cloud: Cloud, viewpoint: FloatArray, members: tuple[IntArray, ...], 
         size = np.array(cloud.pixels.shape[::-1], dtype=np.float64)
         limits = (1 - MOST) * size, MOST * size  # stereo cameras leave up to 0.06 of it empty at a side
     else:
-        x, y, depth = image_of(cloud.points[np.concatenate([sample, rows])], viewpoint)
-        both = np.column_stack([x, y]) * (float(np.median(depth)) / spacing_m)
-        _, _, turn = cv2.minAreaRect(cv2.convexHull(both[: len(sample)].astype(np.float32)))
+        x, y, depth = image_of(cloud.points.take(np.concatenate([sample, rows]), axis=0), viewpoint)
+        both = np.column_stack([x, y]) * (median(depth) / spacing_m)
+        _, _, turn = cv2.minAreaRect(both[on_rim(both[: len(sample)])].astype(np.float32))
         c, s = np.cos(np.radians(turn)), np.sin(np.radians(turn))
         picture, own = np.split(both @ np.array([[c, -s], [s, c]]), [len(sample)])
         limits = np.full(2, np.inf), np.full(2, -np.inf)
@@ -51,14 +54,12 @@ def at_table_edge(points: FloatArray, members: tuple[IntArray, ...], floor: Floo
 
     A hand stands half beyond it there, and things are what the table ends with.
     """
-    import shapely
-
     raster = floor.levels.raster
-    inner = hull_of(floor.levels.heights > UNSEEN).buffer(-edge_m / raster.cell_m)
     middles = np.array([mean_of(points[rows]) for rows in members]).reshape(-1, 3)
     x, y, _ = floor.frame.to_local(middles).T
-    row, column = np.divmod(raster.cells(x, y), raster.shape[1])
-    return tuple((~shapely.contains_xy(inner, row, column)).tolist())
+    places = np.column_stack(np.divmod(raster.cells(x, y), raster.shape[1]))
+    inside = depths(hull_of(floor.levels.heights > UNSEEN), places) > edge_m / raster.cell_m
+    return tuple((~inside).tolist())
 
 
 def _at_edge(picture: FloatArray, own: FloatArray, limits: tuple[FloatArray, FloatArray]) -> BoolArray:
@@ -67,12 +68,13 @@ def _at_edge(picture: FloatArray, own: FloatArray, limits: tuple[FloatArray, Flo
     A side that is not lower, or higher, than the `limits` (2,), (2,) is none of the picture's. The picture ends along a
     straight line: most stretches of it hold points, or it is the end of a table, or of a thing that stands out.
     """
-    low, high = picture.min(axis=0), picture.max(axis=0)
+    low, high = bounds_of(picture)
     found = np.zeros(len(own), dtype=np.bool_)
     for axis in (0, 1):
-        along = np.floor((picture[:, 1 - axis] - low[1 - axis]) / (high - low + 1)[1 - axis] * SECTORS)
         for end, is_side in ((low[axis], low[axis] <= limits[0][axis]), (high[axis], high[axis] >= limits[1][axis])):
-            held = np.bincount(along[_near(picture[:, axis], end)].astype(np.intp), minlength=SECTORS)
+            along = picture[_near(picture[:, axis], end), 1 - axis] - low[1 - axis]
+            stretch = np.floor(along / (high - low + 1)[1 - axis] * SECTORS)
+            held = np.bincount(stretch.astype(np.intp), minlength=SECTORS)
             if is_side and 2 * np.count_nonzero(held) >= SECTORS:
                 found |= _near(own[:, axis], end)
     return found

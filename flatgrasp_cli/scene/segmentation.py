@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.geometry.sampling import spread_indices
+from flatgrasp_cli.geometry.sampling import even_sample
 from flatgrasp_cli.model import Cloud, ObjectCloud, Scene, Sensor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.clusters import find_clusters
@@ -73,7 +73,7 @@ def _too_large(points: FloatArray) -> str | None:
     """Why a cloud, apart from stray points, is no view of objects; None if it may be one."""
     if len(points) == 0:
         return None
-    sample = points[spread_indices(len(points), SAMPLE)]
+    sample = even_sample(points, SAMPLE)
     strays = int(TAIL_SHARE * len(sample))
     low, high = np.sort(sample, axis=0)[[strays, -1 - strays]]
     x, y, z = (high - low).tolist()
@@ -84,7 +84,7 @@ def _too_large(points: FloatArray) -> str | None:
 
 def _goes_on_below(points: FloatArray, plane: SupportPlane, settings: SceneSettings) -> bool:
     """Whether much lies close below a plane, as a body's flanks do below its front."""
-    heights, flat_m = plane.heights(points[spread_indices(len(points), SAMPLE)]), flatness_m(plane, settings)
+    heights, flat_m = plane.heights(even_sample(points, SAMPLE)), flatness_m(plane, settings)
     on = np.abs(heights) < flat_m
     below = (heights < -max(flat_m, RIPPLE_M)) & (heights > -NEAR_M)
     return bool(below.sum() > BELOW_SHARE * on.sum())

@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.scatter import median
 from flatgrasp_cli.kernels.sorting import from_above
 from flatgrasp_cli.model import Floor
 from flatgrasp_cli.profiles.settings import SceneSettings
@@ -56,7 +57,7 @@ def _under(mine: BoolArray, owner: IntArray, height: FloatArray, drop_m: float) 
     mine, owner, height = mine[box], owner[box], height[box]
     size = 2 * reach + 1
     ring = (cv2.dilate(mine.view(np.uint8), np.ones((size, size), np.uint8)) > 0) & ~mine
-    lower = ring & np.isfinite(height) & (height < np.median(height[mine]) - drop_m)
+    lower = ring & np.isfinite(height) & (height < median(height[mine]) - drop_m)
     if not lower.any():
         return None
     counts = np.bincount(owner[lower])

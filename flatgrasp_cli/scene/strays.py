@@ -7,7 +7,7 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
 from flatgrasp_cli.geometry.extents import bounds_of
 from flatgrasp_cli.geometry.raster import MAX_CELLS
-from flatgrasp_cli.geometry.sampling import spread_indices
+from flatgrasp_cli.geometry.sampling import GOLDEN, even_sample
 from flatgrasp_cli.kernels import points as kernels
 from flatgrasp_cli.model import Cloud
 from flatgrasp_cli.scene.support_plane import FINE_SAMPLE, REACH_M
@@ -26,7 +26,7 @@ def without_far_strays(cloud: Cloud) -> Cloud:
     """
     if len(cloud.points) == 0:
         return cloud
-    sample = cloud.points[spread_indices(len(cloud.points), FINE_SAMPLE)]
+    sample = even_sample(cloud.points, FINE_SAMPLE)
     tail = int(TAIL_SHARE * len(sample))
     ends = np.partition(sample, [tail, len(sample) - 1 - tail], axis=0)
     low, high = ends[tail], ends[len(sample) - 1 - tail]
@@ -41,12 +41,14 @@ def without_repeats(cloud: Cloud) -> Cloud:
     No sensor measures the same place repeatedly to the last digit. Such points are invalid ones, moved to the sensor's
     place or another by a transform, or copies that pad a cloud to a fixed length.
     """
-    sample = cloud.points[spread_indices(len(cloud.points), FINE_SAMPLE)]
-    along = np.sort(sample[:, 0])
+    sample = even_sample(cloud.points, FINE_SAMPLE)
+    x, y, z = sample.T
+    mixed = (x + GOLDEN * (y + GOLDEN * z)).astype(np.float32)  # the same for the same place, and hardly for another
+    along = np.sort(mixed)
     repeated = along[MANY:][along[MANY:] == along[:-MANY]]
     if len(repeated) == 0:
         return cloud
-    places, counts = np.unique(sample[np.isin(sample[:, 0], repeated)], axis=0, return_counts=True)
+    places, counts = np.unique(sample[np.isin(mixed, repeated)], axis=0, return_counts=True)
     again = [np.flatnonzero((cloud.points == place).all(axis=1))[1:] for place in places[counts > MANY]]
     return cloud.without(np.concatenate(again)) if again else cloud
 

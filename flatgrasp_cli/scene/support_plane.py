@@ -9,8 +9,8 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.planes import consensus_plane, least_squares_plane
-from flatgrasp_cli.geometry.sampling import spread_indices
-from flatgrasp_cli.geometry.scatter import deviation
+from flatgrasp_cli.geometry.sampling import even_sample
+from flatgrasp_cli.geometry.scatter import deviation, median
 from flatgrasp_cli.model import Sensor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 
@@ -52,7 +52,7 @@ def find_support_plane(points: FloatArray, sensor: Sensor, settings: SceneSettin
     It is the largest plane that `settings.up` (3,) is normal to or, without that, the largest one that faces the
     `sensor`. Of planes on top of each other it is the one nearer to the sensor, unless that is small.
     """
-    sample = points[spread_indices(len(points), SAMPLE)]
+    sample = even_sample(points, SAMPLE)
     planes = [fit for fit in _planes(sample, sensor, settings, seed) if fit.share >= settings.min_plane_share]
     fits = [fit for fit in planes if _faces(fit, sample, sensor, settings)]
     if not fits and settings.up is None and float(np.ptp(sample, axis=0).max()) > settings.max_size_m:
@@ -64,8 +64,8 @@ def find_support_plane(points: FloatArray, sensor: Sensor, settings: SceneSettin
     stacked = [fit for fit in fits if fit.normal @ biggest.normal > np.cos(np.radians(settings.max_tilt_deg))]
     stacked = [fit for fit in stacked if fit.share > GOOD_PART * biggest.share]
     nearest = max(stacked, key=lambda fit: fit.offset)
-    points = points[spread_indices(len(points), FINE_SAMPLE)]
-    tolerance = float(np.median(_tolerance(points, sensor)))
+    points = even_sample(points, FINE_SAMPLE)
+    tolerance = median(_tolerance(points, sensor))
     first = _fitted(points, nearest.normal, nearest.offset, tolerance)
     return _fitted(points, first.normal, first.offset_m, min(tolerance, flatness_m(first, settings)))
 
@@ -134,10 +134,10 @@ def _tolerance(points: FloatArray, sensor: Sensor) -> FloatArray:
 
 def _fitted(points: FloatArray, normal: FloatArray, offset: float, tolerance: float) -> SupportPlane:
     """Least squares on those of `points` (n, 3) that lie within a tolerance of a plane, and their scatter."""
-    inliers = points[np.flatnonzero(np.abs(points @ normal - offset) < tolerance)]
+    inliers = points.take(np.flatnonzero(np.abs(points @ normal - offset) < tolerance), axis=0)
     refined, _ = least_squares_plane(inliers)
     normal = refined if refined @ normal > 0 else -refined
-    offset = float(np.median(inliers @ normal))
+    offset = median(inliers @ normal)
     scatter = np.abs(points @ normal - offset)
     return SupportPlane(normal, offset, deviation(scatter[scatter < tolerance]))
 

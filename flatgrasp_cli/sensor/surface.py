@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import heapq
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import cv2
 import numpy as np
@@ -16,9 +16,11 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.extents import bounds_of, extent_of, mean_of
 from flatgrasp_cli.geometry.frames import frame_on_plane
+from flatgrasp_cli.geometry.hull import convex_hull, depths
 from flatgrasp_cli.geometry.planes import consensus_plane
+from flatgrasp_cli.geometry.polygon import signed_area
 from flatgrasp_cli.geometry.range_image import RangeImage
-from flatgrasp_cli.geometry.sampling import spread_indices
+from flatgrasp_cli.geometry.sampling import even_sample
 
 Verdict = Literal["seen", "flat", "hollow", "impossible"]
 """Whether a cloud can have been seen from a place.
@@ -87,9 +89,9 @@ class Surface:
     @classmethod
     def of(cls, points: FloatArray, rng: np.random.Generator) -> Surface:
         """The shape of `points` (n, 3)."""
-        everything = points[spread_indices(len(points), STANDING_SAMPLE)]
+        everything = even_sample(points, STANDING_SAMPLE)
         standing = _standing_plane(everything, rng)
-        sample, nothing = points[spread_indices(len(points), SURFACE_SAMPLE)], np.empty((0, 3))
+        sample, nothing = even_sample(points, SURFACE_SAMPLE), np.empty((0, 3))
         large = len(sample) <= NEIGHBOURS or float(extent_of(sample).max()) > LARGEST_OBJECT_M
         surface = None if standing is not None or large else _bulging_normals(sample)
         if surface is None:
@@ -115,7 +117,7 @@ class Surface:
 
 def _standing_plane(points: FloatArray, rng: np.random.Generator) -> tuple[FloatArray, float] | None:
     """Normal and offset of the biggest plane of `points` (n, 3) if things stand on it, all on the normal's side."""
-    sample = points[spread_indices(len(points), PLANE_SAMPLE)]
+    sample = even_sample(points, PLANE_SAMPLE)
     plane = consensus_plane(sample, PLANE_TOLERANCE_M, rng) if len(points) >= LEAST_STANDING[0] else None
     if plane is None:
         return None
@@ -128,15 +130,16 @@ def _standing_plane(points: FloatArray, rng: np.random.Generator) -> tuple[Float
     off = np.flatnonzero((np.abs(heights) > least) & (np.abs(heights) < STANDING_M[1]))
     frame = frame_on_plane(normal, offset)
     sheet = frame.to_local(points[flat])[:, :2]
-    hull = _hull(sheet)
+    hull = convex_hull(sheet)
+    area = signed_area(hull)
     off = off[_well_within(frame.to_local(points[off])[:, :2], hull)]
     above = int(np.count_nonzero(heights[off] > 0))
     most = max(above, len(off) - above)
-    large = bool(2 * np.sqrt(hull.area / np.pi) >= TABLE_M)
+    large = bool(2 * np.sqrt(area / np.pi) >= TABLE_M)
     least = max(LEAST_STANDING[large], LEAST_STANDING_SHARE * len(points))
     if not least <= most <= MOST_STANDING * np.count_nonzero(flat) or most < ONE_SIDED * len(off):
         return None
-    if not (large and _filled(sheet, hull.area)) and not _surrounded(sheet, frame.to_local(points[off])[:, :2]):
+    if not (large and _filled(sheet, area)) and not _surrounded(sheet, frame.to_local(points[off])[:, :2]):
         return None
     return (normal, offset) if 2 * above > len(off) else (-normal, -offset)
 
@@ -145,7 +148,7 @@ def _filled(sheet: FloatArray, area: float) -> bool:
     """Whether places (n, 2) of a plane's own points fill their convex hull, of that area, as a table's do."""
     cell = np.sqrt(FILL_POINTS * area / len(sheet))
     row, column = ((sheet - bounds_of(sheet)[0]) / cell).astype(np.intp).T
-    filled = len(np.unique(row * (int(column.max()) + 1) + column))
+    filled = np.count_nonzero(np.bincount(row * (int(column.max()) + 1) + column))
     return bool(filled * cell**2 >= LEAST_FILLED * area)
 
 
@@ -157,19 +160,10 @@ def _surrounded(sheet: FloatArray, standing: FloatArray) -> bool:
     return len(np.unique(np.floor(np.arctan2(y, x) * SECTORS / (2 * np.pi)) % SECTORS)) >= LEAST_SECTORS
 
 
-def _hull(places: FloatArray) -> Any:
-    """Convex hull of `places` (n, 2), as a shapely geometry."""
-    import shapely
-
-    return shapely.LineString(places).convex_hull
-
-
-def _well_within(places: FloatArray, hull: Any) -> BoolArray:
-    """Which `places` (n, 2) lie over a plane, away from the edge of its points' convex hull."""
-    import shapely
-
-    margin = EDGE_SHARE * 2 * np.sqrt(hull.area / np.pi)
-    return np.asarray(shapely.contains_xy(hull.buffer(-margin), *places.T))
+def _well_within(places: FloatArray, hull: FloatArray) -> BoolArray:
+    """Which `places` (n, 2) lie over a plane, away from the edge of its points' convex hull (c, 2)."""
+    margin = EDGE_SHARE * 2 * np.sqrt(signed_area(hull) / np.pi)
+    return np.asarray(depths(hull, places) > margin)
 
 
 def _bulging_normals(points: FloatArray) -> tuple[FloatArray, float] | None:

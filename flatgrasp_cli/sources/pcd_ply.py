@@ -174,7 +174,7 @@ def _cloud(columns: Sequence[FloatArray] | FloatArray, name: str, shape: tuple[i
     filled = np.empty(len(x), dtype=np.bool_)
     points = measured(x, y, z, scale, LARGEST_COORDINATE_M, filled.view(np.uint8))
     pixels = ImageGrid(shape, filled) if min(shape) > 1 else None
-    return Cloud(points, source=Source(name), dropped=len(x) - len(points), pixels=pixels)
+    return Cloud(points, source=Source(name), dropped=len(x) - len(points), pixels=pixels, measured=points)
 
 
 def _numbers(columns: Sequence[FloatArray] | FloatArray) -> Sequence[FloatArray]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +11,7 @@ from flatgrasp_cli.funnel import Miss
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.kernels import below as kernels
+from flatgrasp_cli.kernels import palm
 from flatgrasp_cli.model import GraspCandidates, OpenHands
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import HandSettings
@@ -105,7 +107,7 @@ def under_palm(
     beside_m += 0.5 * chart.cell_m
     across = 0.5 * gripper.hand_width_m + beside_m
     along = 0.5 * breadth_m(gripper, openings) + beside_m
-    return kernels.under_palm(hands, chart.heights, chart.tops, chart.grid, least_m, across, along)
+    return palm.under_palm(hands, chart.heights, chart.tops, chart.grid, least_m, across, along)
 
 
 def _places(gripper: Gripper, width_m: float, cell_m: float) -> FloatArray:
@@ -116,7 +118,8 @@ def _places(gripper: Gripper, width_m: float, cell_m: float) -> FloatArray:
 
 def _steps(size: float, cell_m: float) -> FloatArray:
     """Places from −size/2 to size/2, no more than a cell apart."""
-    return np.linspace(-0.5 * size, 0.5 * size, max(2, int(np.ceil(size / cell_m)) + 1))
+    gaps = max(1, math.ceil(size / cell_m))
+    return np.asarray(np.arange(gaps + 1) * (size / gaps) - 0.5 * size, dtype=np.float64)
 
 
 def too_low(upright_m: float, need_m: float) -> Miss:

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
+from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.geometry.height_map import HeightMap
+from flatgrasp_cli.kernels import sight as kernels
 from flatgrasp_cli.surroundings.view import View
 
 
@@ -26,11 +27,15 @@ class Envelope:
     lowest: HeightMap
     view: View
 
-    def may_reach(self, level_m: float | FloatArray, x: FloatArray, y: FloatArray) -> BoolArray:
-        """Where (…) nothing that reaches `level_m`, one for all or one for each place, was seen, but something may."""
-        unsure = np.asarray(self.lowest.over(x, y) <= level_m)
-        rows = np.flatnonzero(unsure)
-        levels = np.broadcast_to(level_m, x.shape).take(rows)
-        places = np.stack([x.ravel()[rows], y.ravel()[rows], levels])
-        unsure.ravel()[rows] = self.view.hides(places)
-        return unsure
+    def going_on(self, level_m: float | FloatArray, chords: FloatArray, out: FloatArray, along: FloatArray) -> IntArray:
+        """At how many of the distances `out` (d,) from `chords` (m, 6), from the first on, something may reach a level.
+
+        There nothing that reaches `level_m`, one for all or one for each chord, was seen, but something may, at most of
+        the places, shares `along` (a,) the chord: that is its middle, the way along it and the way inward.
+        """
+        levels = np.full(len(chords), level_m)
+        if self.view.rays is None:
+            return np.zeros(len(chords), dtype=np.intp)
+        return kernels.going_on(
+            chords, out, along, levels, self.lowest.heights, self.lowest.grid, *self.view.rays, self.view.behind
+        )

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.geometry.lines import fitted_lines
 from flatgrasp_cli.geometry.polygon import dot
@@ -21,7 +21,7 @@ from flatgrasp_cli.kernels import walls
 from flatgrasp_cli.model import FingerCandidates
 from flatgrasp_cli.surroundings.envelope import Envelope
 from flatgrasp_cli.surroundings.maps import NOISE_M, HeightMaps
-from flatgrasp_cli.surroundings.walls import ALONG_PAD, LEAST_SLOPE, chords_of, pad_places
+from flatgrasp_cli.surroundings.walls import ALONG_PAD, LEAST_SLOPE, chords_of
 
 FAR_M = 0.04
 """How far inward and outward from a chord is looked, metres: half of the widest thing that hands span."""
@@ -59,15 +59,7 @@ def unseen_beyond(fingers: FingerCandidates, envelope: Envelope, level_m: float 
 
     Metres; 0 where it was seen to end. The first cell is the silhouette's own uncertainty.
     """
-    chords, out, far = chords_of(fingers), _places(envelope.lowest), np.zeros(len(fingers), dtype=np.intp)
-    levels = np.broadcast_to(level_m, len(fingers))
-
-    def may(rows: IntArray, out: FloatArray) -> BoolArray:
-        reach = envelope.may_reach(levels[rows], *pad_places(chords[rows], -out, ALONG_PAD))
-        return np.asarray(2 * np.count_nonzero(reach, axis=1) > len(ALONG_PAD))
-
-    begins = np.flatnonzero(may(np.arange(len(fingers)), out[1:2])[0])  # most sides were seen to end
-    far[begins] = 1 + np.logical_and.accumulate(may(begins, out[2:]), axis=0).sum(axis=0)
+    far = envelope.going_on(level_m, chords_of(fingers), _places(envelope.lowest)[1:], ALONG_PAD)
     return np.where(far > 0, (1 + far) * envelope.lowest.cell_m, 0.0)
 
 

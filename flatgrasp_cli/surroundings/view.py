@@ -45,19 +45,25 @@ class View:
 
         By default that is two pixels: so far back goes a surface within a pixel that is seen at 63° to its normal.
         """
-        if self.image is None:
+        if self.rays is None:
             return np.zeros(columns.shape[1], dtype=np.bool_)
-        behind = [0.0, 2 * self.image.pixels.cell_m] if margin_m is None else [margin_m, 0.0]
-        found: BoolArray = kernels.hidden(columns, *self._rays, np.array(behind))
+        behind = self.behind if margin_m is None else np.array([margin_m, 0.0])
+        found: BoolArray = kernels.hidden(columns, *self.rays, behind)
         return found
 
+    @property
+    def behind(self) -> FloatArray:
+        """How far behind what a ray met a place is hidden (2,): metres, and a share of the distance, two pixels."""
+        return np.array([0.0, 0.0 if self.image is None else 2 * self.image.pixels.cell_m])
+
     @cached_property
-    def _rays(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
+    def rays(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray] | None:
         """Eye, pixels and ranges of the image, and place, cells and levels of the floor, in the frame of what is asked.
 
-        Where no floor was seen there is a single cell of it, with nothing in it.
+        Where no floor was seen there is a single cell of it, with nothing in it; None without an image.
         """
-        assert self.image is not None  # noqa: S101 (asked only where there is one)
+        if self.image is None:
+            return None
         eye = np.vstack([self.image.viewpoint, self.image.axes])
         floor = self.floor or Floor(self.frame, NOTHING, 1.0)
         turn = floor.frame.axes @ self.frame.axes.T

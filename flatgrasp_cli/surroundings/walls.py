@@ -54,7 +54,7 @@ class Walls(NamedTuple):
 
 def chords_of(fingers: FingerCandidates) -> FloatArray:
     """The candidates' chords (m, 6): the middle, the way along it and the way inward."""
-    return np.column_stack([fingers.contact, fingers.end - fingers.start, fingers.direction])
+    return np.concatenate([fingers.contact, fingers.end - fingers.start, fingers.direction], axis=1)
 
 
 def pad_places(chords: FloatArray, inward: FloatArray, along: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.kernels import below
+from flatgrasp_cli.kernels import below, palm
 from tests.kernels.interpreted import interpreted
 
 GRID = np.array([-0.05, -0.04, 0.005])
@@ -37,12 +37,18 @@ def test_compiled_and_as_written_they_find_the_same(seed: int) -> None:
     assert np.array_equal(below.under_fingers(*fingers), twin.under_fingers(*fingers))
     tips = (where, FINGERS, np.array([0.002, 0.006]), rest, GRID)
     assert np.array_equal(below.under_tips(*tips), twin.under_tips(*tips))
-    tops = below.tops(highest)
+
+
+@given(seed=st.integers(0, 999))
+def test_the_highest_below_a_palm_is_found_square_by_square(seed: int) -> None:
+    rng, twin = np.random.default_rng(seed), interpreted("palm")
+    where, highest = hands(rng), heights(rng)
+    tops = palm.tops(highest)
     assert np.array_equal(tops, twin.tops(highest))
-    palm = (GRID, 0.05, 0.03, rng.uniform(0, 0.05, (2, 4)))
-    found = below.under_palm(where, highest, tops, *palm)
-    assert np.array_equal(found, twin.under_palm(where, highest, tops, *palm))
-    assert np.array_equal(found, plain_palm(where, highest, *palm))
+    asked = (GRID, 0.05, 0.03, rng.uniform(0, 0.05, (2, 4)))
+    found = palm.under_palm(where, highest, tops, *asked)
+    assert np.array_equal(found, twin.under_palm(where, highest, tops, *asked))
+    assert np.array_equal(found, plain_palm(where, highest, *asked))
 
 
 def plain_palm(

@@ -40,3 +40,19 @@ def test_from_a_metre_above_a_floor_of_which_one_half_was_seen() -> None:
     places = np.array([[0.0, 0.0, 0.3], [0.0, 0.0, 0.5], [0.2, 0.2, 0.2], [-0.2, 0.2, 0.2], [0.3, 0.0, 1.2]]).T
     found = sight.hidden(places, EYE, PIXELS, ranges, GROUND, CELLS, levels, np.array([0.01, 0.0]))
     assert found.tolist() == [True, False, False, True, True]
+
+
+@given(seed=st.integers(0, 999))
+def test_something_goes_on_as_far_as_most_places_beyond_a_chord_are_hidden(seed: int) -> None:
+    rng, twin = np.random.default_rng(seed), interpreted("sight")
+    ranges, levels, lowest = rng.uniform(0.5, 1.1, (10, 10)), np.zeros((10, 10)), rng.uniform(0, 0.2, (10, 10))
+    rays = (EYE, PIXELS, ranges, GROUND, CELLS, levels, np.array([0.0, 0.02]))
+    chords, out, along = rng.uniform(-0.2, 0.2, (8, 6)), 0.05 * np.arange(6.0), np.array([-0.3, 0.0, 0.4])
+    found = sight.going_on(chords, out, along, np.full(len(chords), 0.1), lowest, PIXELS, *rays)
+    assert np.array_equal(found, twin.going_on(chords, out, along, np.full(len(chords), 0.1), lowest, PIXELS, *rays))
+    for row, (cx, cy, ax, ay, ux, uy) in enumerate(chords):
+        x, y = cx + along * ax - out[:, None] * ux, cy + along * ay - out[:, None] * uy
+        cell = np.clip([(x + 0.5) / 0.1, (y + 0.5) / 0.1], 0, 9).astype(np.intp)
+        hides = sight.hidden(np.stack([x.ravel(), y.ravel(), np.full(x.size, 0.1)]), *rays).reshape(x.shape)
+        may = 2 * np.count_nonzero(hides & (lowest[cell[0], cell[1]] <= 0.1), axis=1) > 3
+        assert found[row] == np.logical_and.accumulate(may).sum()

@@ -70,16 +70,16 @@ def test_what_could_not_win_is_only_estimated() -> None:
 
 def test_48_are_tried_with_a_quarter_of_the_samples_and_16_with_all(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where a hundred lie farther apart than the hand misses by."""
-    trials = list[tuple[int, float]]()
+    trials = list[tuple[int, int]]()
     tried = Situation.tried
 
     def counted(self: Situation, grasps: GraspCandidates) -> GraspCandidates:
-        trials.append((len(grasps), self.share))
+        trials.append((len(grasps), len(self.errors)))
         return tried(self, grasps)
 
     monkeypatch.setattr(Situation, "tried", counted)
-    best_first(along_a_bar(800), situation(rectangle(840, 40), unsure("position_m=0.005")))
-    assert trials == [(48, 0.25), (16, 1.0)]
+    best_first(along_a_bar(800), situation(rectangle(840, 40), unsure("position_m=0.005", "samples=128")))
+    assert trials == [(48, 32), (16, 96)]
 
 
 def test_the_papers_choice_is_the_smallest_gravity_distance(pr2: Gripper) -> None:

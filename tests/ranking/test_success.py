@@ -197,6 +197,15 @@ def test_the_parts_make_the_whole() -> None:
     assert (found.causes[0] >= 0).all()
 
 
+@pytest.mark.parametrize("samples", [1, 2, 50, 128])
+def test_what_is_tried_briefly_and_then_to_the_end_is_tried_with_all_samples(samples: int) -> None:
+    settings = unsure("position_m=0.008", "friction_share=0.4", "occupied_share=0.2", f"samples={samples}")
+    whole, table = situation(BAR, settings, Around(dark=0.5)), grasp(40, 50, lean=0.3, grip=5 * MM)
+    at_once, bit_by_bit = whole.tried(table), whole.to_the_end.tried(whole.briefly.tried(table))
+    for name in ("probability", "success", "causes"):
+        assert getattr(bit_by_bit, name) == pytest.approx(getattr(at_once, name), abs=1e-12)
+
+
 def test_inside_a_basin_closing_ends_in_the_grasp() -> None:
     """Though a disc is pushed out of pads beside its middle: its cage forgives 6 cm, but no lean of its walls."""
     settings = unsure("position_m=0.012")

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from flatgrasp_cli.geometry.frames import Frame, frame_on_plane
 from flatgrasp_cli.geometry.raster import Raster
-from flatgrasp_cli.scene.cells import SortedPoints, fitting_cell_m, smoothed
+from flatgrasp_cli.scene.cells import SortedPoints, fitting_cell_m, smoothed, usual
 
 
 def test_cells_add_up_what_falls_into_them() -> None:
@@ -17,17 +17,24 @@ def test_cells_add_up_what_falls_into_them() -> None:
     raster = Raster.over(points[:, :2].min(axis=0), points[:, :2].max(axis=0), 0.01)
     aside = np.array([[0.0, 0.5, 2.0]])
     found = SortedPoints.of(np.concatenate([points, aside]), Frame(np.zeros(3), np.eye(3)), raster, (0.0, 7.0))
-    assert found.heights.tolist() == [1.0, 3.0, 5.0, 7.0, -1.0, 2.0]
     assert found.cell[4:].tolist() == [0, 0]
     assert found.count[1:3, 1:4].sum() == found.count.sum() == 4  # two by three cells, and a rim
     assert (found.total[1, 1], found.total[2, 1], found.total[1, 3]) == (4.0, 5.0, 7.0)
     assert found.total.sum() == 16.0
+    floor = np.full(raster.shape, np.inf)
+    floor[1, 1], floor[1, 3] = 2.0, 6.0
+    assert [part.tolist() for part in found.standing(floor)] == [[1, 3], [3.0, 7.0]]
 
 
 def test_cells_hold_a_few_points_each() -> None:
     points = np.random.default_rng(0).uniform(0, 0.4, (40_000, 2))  # 25 points in a square centimetre
     x, y = points.T
     assert fitting_cell_m(x, y, 0.01) == pytest.approx(0.004, rel=0.05)
+
+
+@given(st.lists(st.integers(0, 9), min_size=1).filter(any))
+def test_the_usual_count_is_the_median_of_those_that_are_not_0(counts: list[int]) -> None:
+    assert usual(np.array([counts])) == np.median([count for count in counts if count])
 
 
 def test_means_are_weighted() -> None:

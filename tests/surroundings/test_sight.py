@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
+from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
+from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
+from flatgrasp_cli.geometry.range_image import RangeImage
+from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.model import FingerCandidates
 from flatgrasp_cli.surroundings.envelope import Envelope
 from flatgrasp_cli.surroundings.maps import HeightMaps
 from flatgrasp_cli.surroundings.sight import hidden_extent, seen_sides, unseen_beyond
+from flatgrasp_cli.surroundings.view import View
 from tests.by_hand import MM, Relief, candidates
 
 LEVEL_M, GRIP_M = 4 * MM, 8 * MM
@@ -34,22 +37,39 @@ def surface(relief_mm: Relief) -> HeightMap:
     return chart.raised(MM * np.column_stack([x, y, heights])[seen])
 
 
-@dataclass(frozen=True)
-class Shadow:
-    """A view in which everything lower than a shadow's top, in millimetres over y, is hidden, down to its bottom."""
+def shadow(top_mm: Relief) -> View:
+    """A view in which everything lower than a shadow's top, in millimetres over y, is hidden: rays from high above."""
+    high_m, side_m = 100.0, 0.12
+    pixels = Raster.over(np.full(2, -side_m / high_m), np.full(2, side_m / high_m), 0.25 * MM / high_m)
+    x, y = np.meshgrid(*(pixels.origin[k] + pixels.cell_m * (np.arange(pixels.shape[k]) + 0.5) for k in (0, 1)))
+    tops = np.asarray(top_mm(x.T * high_m / MM, -y.T * high_m / MM), dtype=np.float64) + 0 * x.T
+    down = np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]])
+    image = RangeImage(np.array([0.0, 0.0, high_m]), down, pixels, np.ascontiguousarray(high_m - MM * tops))
+    return View(image, Frame(np.zeros(3), np.eye(3)), None)
 
-    top_mm: Relief
-    bottom_mm: float = -np.inf
 
-    def hides(self, columns: FloatArray) -> BoolArray:
-        x, y, z = columns / MM
-        return np.asarray((z < self.top_mm(x, y)) & (z > self.bottom_mm))
+def roof(bottom_mm: float, top_mm: float) -> View:
+    """A view from far aside in which what is between two heights is behind something, and all else lies in the open."""
+    far_m, side_m = 100.0, 0.12
+    pixels = Raster.over(np.full(2, -side_m / far_m), np.full(2, side_m / far_m), 0.25 * MM / far_m)
+    z = far_m * (pixels.origin[1] + pixels.cell_m * (np.arange(pixels.shape[1]) + 0.5))
+    roofed = (z > MM * bottom_mm) & (z < MM * top_mm)
+    ranges = np.broadcast_to(np.where(roofed, 0.5 * far_m, 2 * far_m), pixels.shape)
+    aside = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
+    image = RangeImage(np.array([0.0, far_m, 0.0]), aside, pixels, np.ascontiguousarray(ranges))
+    return View(image, Frame(np.zeros(3), np.eye(3)), None)
 
 
 def behind_a_box(shadow_mm: Relief, top_mm: float = 40.0) -> Envelope:
     """The envelope about a box that reaches from y = 0 inward, with nothing seen outward of it."""
-    view: Any = Shadow(shadow_mm)
-    return Envelope(surface(lambda _x, y: np.where(y >= 0, top_mm, np.nan)), view)
+    return Envelope(surface(lambda _x, y: np.where(y >= 0, top_mm, np.nan)), shadow(shadow_mm))
+
+
+def may_reach(envelope: Envelope, level_m: float, y_m: FloatArray) -> IntArray:
+    """Whether (n,) something may reach a level at places of y alone: chords of no length, looked at where they are."""
+    chords = np.zeros((len(y_m), 6))
+    chords[:, 1] = y_m
+    return envelope.going_on(level_m, chords, np.zeros(1), np.zeros(1))
 
 
 class TestEnvelope:
@@ -58,7 +78,7 @@ class TestEnvelope:
     def highest_mm(self, envelope: Envelope, y_m: FloatArray) -> FloatArray:
         """The highest level, to a millimetre, that something may reach."""
         levels = MM * np.arange(60.0)
-        may = np.array([envelope.may_reach(level, 0 * y_m, y_m) for level in levels])
+        may = np.array([may_reach(envelope, level, y_m) for level in levels])
         return np.asarray(may.sum(axis=0))
 
     def test_behind_an_object_something_may_be_as_high_as_the_shadow(self) -> None:
@@ -69,19 +89,19 @@ class TestEnvelope:
 
     def test_before_what_was_seen_deep_down_something_may_hide_all_the_same(self) -> None:
         """As it does for a hand that comes from where the sensor was not: under the brim of what it looked down on."""
-        view: Any = Shadow(lambda _x, y: 40 + y)
+        view = shadow(lambda _x, y: 40 + y)
         deep = surface(lambda _x, y: np.where(y >= 0, 40.0, 2.0))
         assert self.highest_mm(Envelope(deep, view), self.OUT_M) == pytest.approx([33, 23, 13, 3], abs=1)
 
     def test_what_was_seen_is_no_question(self) -> None:
-        dark: Any = Shadow(lambda _x, y: 300 + 0 * y)
+        dark = shadow(lambda _x, y: 300 + 0 * y)
         seen = Envelope(surface(lambda _x, y: 40 + 0 * y), dark)
-        assert not seen.may_reach(LEVEL_M, np.zeros(9), np.linspace(-30, 30, 9) * MM).any()
+        assert not may_reach(seen, LEVEL_M, np.linspace(-30, 30, 9) * MM).any()
 
     def test_where_all_was_seen_to_be_free_nothing_may_stand(self) -> None:
-        light: Any = Shadow(lambda _x, y: 0 * y)
+        light = shadow(lambda _x, y: 0 * y)
         free = Envelope(surface(lambda _x, y: np.where(y >= 0, 40.0, 0.0)), light)
-        assert not free.may_reach(LEVEL_M, np.zeros(9), np.linspace(-30, 30, 9) * MM).any()
+        assert not may_reach(free, LEVEL_M, np.linspace(-30, 30, 9) * MM).any()
 
 
 class TestUnseenBeyond:
@@ -105,7 +125,7 @@ class TestUnseenBeyond:
     def test_half_of_the_pads_places_decide(self, seen_mm: float, bound: float) -> None:
         """Where the plane was seen beside a narrow shadow: at |x| of more than 6 or 4 mm on a pad of 20."""
         wide = surface(lambda _x, y: np.where(y >= 0, 40.0, np.nan))
-        narrow: Any = Shadow(lambda x, _y: np.where(np.abs(x) < 10 - seen_mm, 300.0, 0.0))
+        narrow = shadow(lambda x, _y: np.where(np.abs(x) < 10 - seen_mm, 300.0, 0.0))
         found = unseen_beyond(AT_ORIGIN, Envelope(wide, narrow), LEVEL_M)[0]
         assert (found > 0) == (bound > 0)
 
@@ -217,7 +237,6 @@ class TestSeenSides:
     @pytest.mark.parametrize(("bottom_mm", "open_sides"), [(30, 0), (40, 1)])
     def test_it_was_seen_through_where_the_pad_will_be(self, bottom_mm: float, open_sides: int) -> None:
         """Aslant, what is far below the rim may be seen in the open: the can is 43 mm high at the chord."""
-        view: Any = Shadow(lambda _x, y: 50 + 0 * y, bottom_mm)
-        roofed = replace(behind_a_box(lambda _x, y: 0 * y), view=view)
+        roofed = replace(behind_a_box(lambda _x, y: 0 * y), view=roof(bottom_mm, top_mm=50))
         assert len(sides(roofed, loop=1)) == open_sides
         assert sides(roofed, loop=0).hidden[0] == 0

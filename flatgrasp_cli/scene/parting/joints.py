@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.scatter import quantile
 from flatgrasp_cli.scene.cells import SMOOTH_CELLS
 from flatgrasp_cli.scene.parting.view_grid import ViewGrid, shifted, sides
 
@@ -56,7 +57,8 @@ def held_together(grid: ViewGrid, names: IntArray, least_m: float, drop_m: float
     low, high = np.full((2, count), np.nan)
     meeting = (np.flatnonzero(borders.met[1:].any(axis=1)) + 1).tolist()
     for name in meeting:
-        low[name], high[name] = np.quantile(height[names.ravel() == name], (ODD_SHARE, 1 - ODD_SHARE))
+        own = height[names.ravel() == name]
+        low[name], high[name] = quantile(own, ODD_SHARE), quantile(own, 1 - ODD_SHARE)
     joined = np.arange(count)
     for name in meeting:
         other = _around(borders, name, middle, high)

@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.extents import mean_of
+from flatgrasp_cli.geometry.frames import axes_about
 from flatgrasp_cli.geometry.raster import Raster
+from flatgrasp_cli.geometry.scatter import median
 from flatgrasp_cli.kernels import view as kernels
 from flatgrasp_cli.kernels.projection import turned
 from flatgrasp_cli.scene.support_plane import NEAREST_M, SIGMAS
@@ -57,7 +59,7 @@ class ViewGrid:
         Their noise along the line of sight is `noise_m`.
         """
         x, y, point_depth = image_of(points, viewpoint)
-        distance = float(np.median(point_depth))
+        distance = median(point_depth)
         pitch = cell_m / distance
         rim = (REACH_CELLS + 1) * pitch
         low, high = np.array([x.min(), y.min()]) - rim, np.array([x.max(), y.max()]) + rim
@@ -128,8 +130,6 @@ def image_of(points: FloatArray, viewpoint: FloatArray) -> tuple[FloatArray, Flo
     """
     sight = mean_of(points) - viewpoint
     sight /= max(float(np.linalg.norm(sight)), 1e-9)
-    across = np.cross(np.eye(3)[int(np.argmin(np.abs(sight)))], sight)
-    across /= np.linalg.norm(across)
-    x, y, depth = turned(points, viewpoint, np.stack([across, np.cross(sight, across), sight]))
+    x, y, depth = turned(points, viewpoint, axes_about(sight))
     ahead = np.maximum(depth, NEAREST_M)  # of points beside or behind the viewpoint there is no image
     return x / ahead, y / ahead, depth

@@ -1,0 +1,41 @@
+"""A disc that rolls around points: which of those in a pixel it touches."""
+
+from __future__ import annotations
+
+import math
+
+import cython
+import numpy as np
+from numpy.typing import NDArray
+
+
+def outermost(
+    points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
+    label: cython.const[cython.int][:],  # type: ignore[valid-type]
+    touched: cython.const[cython.int][:],  # type: ignore[valid-type]
+    path: cython.const[cython.double][:, :],  # type: ignore[valid-type]
+    labels: cython.Py_ssize_t,
+) -> NDArray[np.intp]:
+    """Of the `points` (n, 2) in each pixel the one nearest to the disc that touches it, by the pixel's label (labels,).
+
+    `label` (n,) is that of each point's pixel. A disc whose centre is at `path` (m, 2) touches a point in the pixel
+    `touched` (m,); of several the last counts, and of points as near as each other.
+    """
+    step: cython.Py_ssize_t
+    point: cython.Py_ssize_t
+    owner = np.zeros(labels, dtype=np.intp)
+    owners: cython.Py_ssize_t[::1] = owner
+    least: cython.double[::1] = np.full(labels, math.inf)
+    centers: cython.Py_ssize_t[::1] = np.full(labels, -1, dtype=np.intp)
+    for step in range(touched.shape[0]):
+        centers[touched[step]] = step
+    for point in range(points.shape[0]):
+        name: cython.int = label[point]
+        if centers[name] < 0:
+            continue
+        dx: cython.double = points[point, 0] - path[centers[name], 0]
+        dy: cython.double = points[point, 1] - path[centers[name], 1]
+        square: cython.double = dx * dx + dy * dy
+        if square <= least[name]:
+            least[name], owners[name] = square, point
+    return owner

@@ -1,0 +1,24 @@
+"""What a disc touches: compiled, as written, and pixel by pixel."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from flatgrasp_cli.kernels import rolling
+from tests.kernels.interpreted import interpreted
+
+
+@given(seed=st.integers(0, 999))
+def test_of_a_pixels_points_the_nearest_is_touched(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    points, label = rng.integers(0, 4, (30, 2)).astype(np.float64), rng.integers(0, 6, 30).astype(np.int32)
+    touched, path = rng.integers(0, 6, 5).astype(np.int32), rng.integers(0, 4, (5, 2)).astype(np.float64)
+    found = rolling.outermost(points, label, touched, path, 6)
+    assert np.array_equal(found, interpreted("rolling").outermost(points, label, touched, path, 6))
+    for name in set(touched.tolist()) & set(label.tolist()):
+        center = path[np.flatnonzero(touched == name)[-1]]
+        own = np.flatnonzero(label == name)
+        away = np.linalg.norm(points[own] - center, axis=1)
+        assert found[name] == own[away == away.min()][-1]
