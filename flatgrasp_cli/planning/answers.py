@@ -79,6 +79,8 @@ class Search:
     settings: PlannerSettings
     reach: Callable[[Answer], tuple[Reach, ...]] | None = None
     """What a robot makes of an answer's grasps; None without a robot."""
+    between: bool = False
+    """Whether hands come from the sides between those that are tried first."""
 
     @property
     def _cages_decide(self) -> bool:

@@ -36,15 +36,22 @@ REACH_CANDIDATES = 500
 
 
 def plan_object(
-    cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings, top: int = 10, robot: Robot | None = None
+    cloud: ObjectCloud,
+    gripper: Gripper,
+    settings: PlannerSettings,
+    top: int = 10,
+    robot: Robot | None = None,
+    *,
+    between: bool = False,
 ) -> ObjectPlan:
     """The best `top` grasps of one object that differ, with `settings` as `PlannerSettings.resolve` returns them.
 
-    Of those that a `robot` cannot carry out, the best `top` that differ are listed as refused.
+    Of those that a `robot` cannot carry out, the best `top` that differ are listed as refused. Aslant, hands come from
+    the sides `between` those that are tried first if that is wanted.
     """
     if cloud.support is None:
         cloud = replace(cloud, points=without_strays(cloud.points, settings.silhouette))
-    answer = answer_for(cloud, _search(cloud, gripper, settings, robot))
+    answer = answer_for(cloud, replace(_search(cloud, gripper, settings, robot), between=between))
     item = ObjectPlan(
         object=cloud,
         funnel=answer.funnel,

@@ -17,6 +17,7 @@ from flatgrasp_cli.surroundings import (
     Tilted,
     asked_of,
     beside,
+    between,
     box_across,
     box_on,
     directions,
@@ -58,6 +59,8 @@ def _from_any_side(search: Search, tilted: Tilted, box: OrientedBox, found: list
     own = oriented_box(cloud.points, cloud.toward, settings.main_plane.method)
     most_m3 = found[0].shape.volume_m3 if found and found[0].shape else np.inf
     ways = directions(cloud, box.frame.axes[0], own, settings.approach)
+    if search.between:
+        ways = between(cloud, box.frame.axes[0], settings.approach)
     best = _best_of(search, tilted, ways, found[0] if found else None, most_m3)
     if best is not None and best.direction is not None and not search.is_enough(best):
         best = _best_of(search, tilted, beside(best.direction, cloud, settings.approach), best, most_m3)

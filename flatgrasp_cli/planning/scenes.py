@@ -118,7 +118,19 @@ def _planned(
         if parts and not any(item.grasps for item in parts):
             found = plan_object(whole, gripper, settings, top, robot)
             plans = [*(item for item in plans if item not in parts), found] if found.grasps else plans
-    return plans
+    if any(item.grasps for item in plans) or settings.approach.directions not in ("auto", "any"):
+        return plans
+    return [_once_more(item, gripper, settings, top, robot) for item in plans]
+
+
+def _once_more(
+    item: ObjectPlan, gripper: Gripper, settings: PlannerSettings, top: int, robot: Robot | None
+) -> ObjectPlan:
+    """The plan for an object of a scene in which nothing has a grasp: from the sides between those that were tried."""
+    if item.object.support is None:
+        return item
+    found = plan_object(item.object, gripper, settings, top, robot, between=True)
+    return found if found.grasps else item
 
 
 def _doubtful(best: Grasp | None, settings: PlannerSettings) -> tuple[CloudWarning, ...]:

@@ -6,7 +6,7 @@ fingers can stand, whether the object's thickness was seen, how far the hand can
 
 from flatgrasp_cli.surroundings.alone import Alone
 from flatgrasp_cli.surroundings.aslant import Aslant
-from flatgrasp_cli.surroundings.directions import Direction, asked_of, beside, directions, tilt_deg
+from flatgrasp_cli.surroundings.directions import Direction, asked_of, beside, between, directions, tilt_deg
 from flatgrasp_cli.surroundings.interface import Surroundings
 from flatgrasp_cli.surroundings.on_support import OnSupport
 from flatgrasp_cli.surroundings.places import Place, box_across, box_on, hanging_m, places
@@ -22,6 +22,7 @@ __all__ = [
     "Tilted",
     "asked_of",
     "beside",
+    "between",
     "box_across",
     "box_on",
     "directions",

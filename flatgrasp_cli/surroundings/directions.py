@@ -60,7 +60,21 @@ def _all_around(
         first.append(Direction(_unit(cloud.viewpoint - mean_of(cloud.points)), "view"))
     least_deg = min(settings.tilts_deg, default=LEAST_TILT_DEG)  # what is turned by less is as good as straight down
     yield from (each for each in first if least_deg < tilt_deg(each.toward, normal) <= settings.max_tilt_deg)
-    turns = 2 * np.pi * np.arange(settings.around) / settings.around
+    yield from _tilts(normal, across, settings, 0.0)
+
+
+def between(cloud: ObjectCloud, across: FloatArray, settings: ApproachSettings) -> Iterator[Direction]:
+    """The same tilts halfway between the sides that were tried, for what cannot be had from any of those.
+
+    Of a search that was told its directions there are none.
+    """
+    if cloud.support is not None and settings.directions in ("auto", "any"):
+        yield from _tilts(cloud.support.normal, across, settings, 0.5)
+
+
+def _tilts(normal: FloatArray, across: FloatArray, settings: ApproachSettings, first: float) -> Iterator[Direction]:
+    """All tilts around, the `first` by a share of the angle between two turned from `across` (3,)."""
+    turns = 2 * np.pi * (first + np.arange(settings.around)) / settings.around
     for tilt in np.radians([each for each in settings.tilts_deg if each <= settings.max_tilt_deg]):
         yield from (_tilted(normal, across, float(tilt), float(turn)) for turn in turns)
 

@@ -9,8 +9,10 @@ import pytest
 
 from flatgrasp_cli import Plan, load_gripper, load_robot, load_settings, plan
 from flatgrasp_cli.geometry.frames import axes_from_quaternion
+from flatgrasp_cli.planning import objects
 from flatgrasp_cli.profiles import Robot
 from flatgrasp_cli.results.document import to_document
+from flatgrasp_cli.surroundings import Direction
 from tests.conftest import TABLE, Box, Camera, Solid, Tube
 from tests.scene.test_heaps import distance
 from tests.surroundings.on_a_table import KINECT, hand_in
@@ -97,6 +99,29 @@ def test_the_document_says_which_way_the_hand_comes_and_why_not_straight_down() 
     assert grasp["approach"]["tilt_deg"] == pytest.approx(np.degrees(np.arccos(-approach[2])), abs=1)
     assert grasp["approach"]["known_from"] in {"main_plane", "view"}
     assert "too high to grip" in item["why_not_top"]
+
+
+TOO_LARGE = Box((0.0, 0.2, 0.1), (0.3, 0.15, 0.2))
+
+
+@pytest.mark.parametrize(("things", "between"), [([TOO_LARGE], True), ([TOO_LARGE, LYING_CAN], False)])
+def test_where_nothing_has_a_grasp_the_sides_between_those_are_tried(
+    things: list[Solid], between: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of six sides at one tilt the first is along the thing's longer side; between are 30°, 90° and so on."""
+    tried, from_one = [], objects._from
+
+    def spied(search: Any, tilted: Any, direction: Direction, most_m3: float) -> Any:
+        tried.append(direction)
+        return from_one(search, tilted, direction, most_m3)
+
+    monkeypatch.setattr(objects, "_from", spied)
+    found = planned(*things, tilts_deg="[40]", around=6)
+    assert (found.best is None) == between
+    x, y, z = np.array([each.toward for each in tried if each.known_from == "tilt"]).T
+    turn = np.degrees(np.arctan2(y, x)) % 360
+    aside = (np.abs(turn % 60 - 30) < 3) & (np.abs(z - np.cos(np.radians(40))) < 0.01)
+    assert (len(np.unique(np.round(turn[aside], -1))) == 6) == between  # two of them lie beside the nearest miss
 
 
 def test_without_a_grasp_the_nearest_miss_of_all_directions_is_named() -> None:

@@ -14,7 +14,7 @@ from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.model import ObjectCloud, OrientedBox, SupportPlane
 from flatgrasp_cli.scene import segment
-from flatgrasp_cli.surroundings import Aslant, Direction, Tilted, beside, directions, tilt_deg
+from flatgrasp_cli.surroundings import Aslant, Direction, Tilted, beside, between, directions, tilt_deg
 from tests.conftest import MM, TABLE, Box, Camera, Tube
 from tests.scene.test_heaps import distance, walls
 from tests.surroundings.on_a_table import hand_in
@@ -96,9 +96,17 @@ class TestDirections:
         flat = self.around()[-1]
         assert max(tilt_deg(each.toward, UP) for each in beside(flat, self.ITEM, SETTINGS.approach)) <= 90 + 1e-6
 
+    def test_between_all_of_them_are_as_many(self) -> None:
+        tried = np.array([each.toward for each in self.around()])
+        found = np.array([each.toward for each in between(self.ITEM, self.SIDE, SETTINGS.approach)])
+        assert found[:, 2] == pytest.approx(tried[:, 2])
+        level = [each[:, :2] / np.linalg.norm(each[:, :2], axis=1, keepdims=True) for each in (tried, found)]
+        assert (level[0] * level[1]).sum(axis=1) == pytest.approx(np.cos(np.radians(22.5)))
+
     def test_of_what_was_asked_for_there_are_none_beside(self) -> None:
         given = SETTINGS.approach.model_copy(update={"directions": (0.0, 0.6, -0.8)})
         assert list(beside(Direction(np.array([0.0, -0.6, 0.8]), "given"), self.ITEM, given)) == []
+        assert list(between(self.ITEM, self.SIDE, given)) == []
 
     @pytest.mark.parametrize(("asked", "toward"), [("view", (0.0, -0.6, 0.8)), ((0.0, 0.0, -2.0), (0.0, 0.0, 1.0))])
     def test_a_direction_that_is_asked_for_is_the_only_one(self, asked: Any, toward: tuple[float, ...]) -> None:
