@@ -54,7 +54,7 @@ def going_on(
     chords: cython.double[:, ::1],
     out: cython.double[::1],
     along: cython.double[::1],
-    level: cython.double,
+    heights: cython.double[::1],
     lowest: cython.double[:, ::1],
     grid: cython.double[::1],
     eye: cython.double[:, ::1],
@@ -68,8 +68,9 @@ def going_on(
     """At how many of the distances `out` (d,) from each of `chords` (m, 6), from the first on, something may stand.
 
     A chord is its middle, the way along it and the unit vector inward. Something may stand at a distance if it may at
-    most of the places there, shares `along` (a,) the chord: where nothing was seen that is higher than the `level` in
-    the map `lowest`, on the `grid` (3,), and where that level is hidden. Other arguments are those of `hidden`.
+    most of the places there, shares `along` (a,) the chord: where nothing was seen that is higher than the chord's one
+    of `heights` (m,) in the map `lowest`, on the `grid` (3,), and where that height is hidden. Other arguments are
+    those of `hidden`.
     """
     chord: cython.Py_ssize_t
     step: cython.Py_ssize_t
@@ -83,8 +84,8 @@ def going_on(
                 x: cython.double = chords[chord, 0] + along[place] * chords[chord, 2] - out[step] * chords[chord, 4]
                 y: cython.double = chords[chord, 1] + along[place] * chords[chord, 3] - out[step] * chords[chord, 5]
                 row: cython.Py_ssize_t = _cell(x, grid[0], grid[2], lowest.shape[0])
-                if lowest[row, _cell(y, grid[1], grid[2], lowest.shape[1])] <= level:
-                    may += _hides(x, y, level, eye, pixels, ranges, ground, cells, levels, behind)
+                if lowest[row, _cell(y, grid[1], grid[2], lowest.shape[1])] <= heights[chord]:
+                    may += _hides(x, y, heights[chord], eye, pixels, ranges, ground, cells, levels, behind)
             if 2 * may <= along.shape[0]:
                 break
             far[chord] += 1

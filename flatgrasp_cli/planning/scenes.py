@@ -94,7 +94,7 @@ def plan(
     scene = replace(scene, warnings=(*scene.warnings, *_table_tilted(scene.support))) if robot else scene
     segmented = time.perf_counter()
     plans = _planned(scene, gripper, resolved, top, robot)
-    objects = tuple(_in_order(plans))
+    objects = tuple(in_picking_order(plans))
     scene_ms, plan_ms = 1e3 * (segmented - began), 1e3 * (time.perf_counter() - segmented)
     return Plan(
         cloud=cloud,
@@ -145,17 +145,20 @@ def _table_tilted(support: SupportPlane | None) -> tuple[CloudWarning, ...]:
     return (CloudWarning("table_tilted", text),)
 
 
-def _in_order(plans: list[ObjectPlan]) -> Iterator[ObjectPlan]:
+def in_picking_order(plans: list[ObjectPlan]) -> Iterator[ObjectPlan]:
     """The order of picking: that of the objects' best grasps, but later what others lie on, or what lies at an edge.
 
-    Objects without a grasp come last, larger first.
+    Of grasps that hold as probably, those from straight above come first: what stands beside the others may be gone by
+    then. Objects without a grasp come last, larger first.
     """
     for _, alike in groupby(sorted(plans, key=_how_late), key=_how_late):
         items = sorted(alike, key=lambda item: -len(item.object.points))
         best = [item.grasps[0] if item.grasps else None for item in items]
         chances = [grasp.success.probability if grasp and grasp.success else 0.0 for grasp in best]
         distances = [grasp.gravity_distance_m if grasp else 0.0 for grasp in best]
-        yield from (items[k] for k in by_probability(np.array(chances), np.array(distances)))
+        aslant = [grasp is not None and grasp.approach.known_from != "top" for grasp in best]
+        places = np.argsort(np.lexsort((distances, aslant)))
+        yield from (items[k] for k in by_probability(np.array(chances), places))
 
 
 def _how_late(item: ObjectPlan) -> tuple[bool, bool, bool]:

@@ -48,15 +48,15 @@ def _by_trial(grasps: GraspCandidates, situation: Situation) -> GraspCandidates:
     return tried.having(merit=tried.probability).select(order)
 
 
-def by_probability(probability: FloatArray, gravity_distance: FloatArray) -> IntArray:
-    """The order (p,) of grasps: the most probable first, those within `TIE` of it by gravity distance, and so on."""
-    order = np.lexsort((gravity_distance, -probability))
+def by_probability(probability: FloatArray, tied: FloatArray | IntArray) -> IntArray:
+    """The order (p,) of grasps: the most probable first, those within `TIE` of it by the smaller `tied`, and so on."""
+    order = np.lexsort((tied, -probability))
     short = (-probability[order]).tolist()  # rising, and plain numbers: most groups are small
-    ranked, distance = order.tolist(), gravity_distance.tolist()
+    ranked, least = order.tolist(), tied.tolist()
     begin = 0
     while begin < len(ranked):
         end = bisect_right(short, short[begin] + TIE, begin)
-        ranked[begin:end] = sorted(ranked[begin:end], key=distance.__getitem__)
+        ranked[begin:end] = sorted(ranked[begin:end], key=least.__getitem__)
         begin = end
     return np.array(ranked, dtype=np.intp)
 

@@ -27,14 +27,15 @@ class Envelope:
     lowest: HeightMap
     view: View
 
-    def going_on(self, level_m: float, chords: FloatArray, out: FloatArray, along: FloatArray) -> IntArray:
+    def going_on(self, level_m: float | FloatArray, chords: FloatArray, out: FloatArray, along: FloatArray) -> IntArray:
         """At how many of the distances `out` (d,) from `chords` (m, 6), from the first on, something may reach a level.
 
-        There nothing that reaches `level_m` was seen, but something may, at most of the places, shares `along` (a,) the
-        chord: that is its middle, the way along it and the way inward.
+        There nothing that reaches `level_m`, one for all or one for each chord, was seen, but something may, at most of
+        the places, shares `along` (a,) the chord: that is its middle, the way along it and the way inward.
         """
+        levels = np.full(len(chords), level_m)
         if self.view.rays is None:
             return np.zeros(len(chords), dtype=np.intp)
         return kernels.going_on(
-            chords, out, along, level_m, self.lowest.heights, self.lowest.grid, *self.view.rays, self.view.behind
+            chords, out, along, levels, self.lowest.heights, self.lowest.grid, *self.view.rays, self.view.behind
         )

@@ -29,7 +29,8 @@ class OnSupport(Relief):
         if self.view.viewpoint is None:
             fingers = replace(fingers, hidden=np.zeros(len(fingers)))
         else:
-            fingers = seen_sides(fingers, self.maps, self.envelope, self.view.viewpoint, self.level_m)
+            grip_m = self.settings.depth.min_grip_m
+            fingers = seen_sides(fingers, self.maps, self.envelope, self.view.viewpoint, self.level_m, grip_m)
         funnel.count("open_sides", len(fingers), "the object's only side is that of a hole that was not seen through")
         return fingers
 

@@ -33,20 +33,29 @@ LOST_DEG = 15.0
 
 
 def seen_sides(
-    fingers: FingerCandidates, maps: HeightMaps, envelope: Envelope, viewpoint: FloatArray, level_m: float
+    fingers: FingerCandidates,
+    maps: HeightMaps,
+    envelope: Envelope,
+    viewpoint: FloatArray,
+    level_m: float,
+    grip_m: float,
 ) -> FingerCandidates:
     """The candidates except those in holes that were not seen through, with how far the object goes on, out of sight.
 
-    `viewpoint` (3,) is where the sensor was, in the height maps' frame.
+    `viewpoint` (3,) is where the sensor was, in the height maps' frame. Holes are looked into `grip_m` below their rim,
+    too: aslant, what is at the level may lie in the open behind the object, or below the floor.
     """
     bound = unseen_beyond(fingers, envelope, level_m)
+    holes = np.flatnonzero((bound == 0) & (fingers.loop > 0))
+    rim = _profile(fingers.select(holes), maps, _places(maps.surface)[:1])[0]
+    bound[holes] = unseen_beyond(fingers.select(holes), envelope, np.fmax(rim - grip_m, level_m))
     open_sides = (bound == 0) | (fingers.loop == 0)
     fingers, bound = fingers.select(open_sides), bound[open_sides]
     return replace(fingers, hidden=hidden_extent(fingers, maps, bound, viewpoint))
 
 
-def unseen_beyond(fingers: FingerCandidates, envelope: Envelope, level_m: float) -> FloatArray:
-    """How far (m,) the object may go on before each candidate, above `level_m`: as far as the rays allow.
+def unseen_beyond(fingers: FingerCandidates, envelope: Envelope, level_m: float | FloatArray) -> FloatArray:
+    """How far (m,) the object may go on before each candidate, above `level_m` or its own (m,): as the rays allow.
 
     Metres; 0 where it was seen to end. The first cell is the silhouette's own uncertainty.
     """
@@ -58,7 +67,8 @@ def hidden_extent(fingers: FingerCandidates, maps: HeightMaps, bound: FloatArray
     """How far (m,) the object at most goes on beyond the silhouette, metres, of the `bound` (m,) that the rays allow.
 
     Of two models that is taken which agrees better with the heights near the chord: a flat top that ends there, or a
-    flank that goes on. What rises outward as steeply as a face has neither, and may go on as far as the bound.
+    flank that goes on. What rises outward as steeply as a face has neither, and may go on as far as the bound. So may
+    what turned away from the rays, plane as it may be, until none came back: it was lost from sight before its end.
     """
     extent = np.zeros(len(fingers))
     rows = np.flatnonzero(bound > 0)
@@ -70,8 +80,10 @@ def hidden_extent(fingers: FingerCandidates, maps: HeightMaps, bound: FloatArray
     near = inward <= LIMB_M
     limb, slope = fitted_lines(inward[near], heights[near].T)
     face = (slope < -LEAST_SLOPE) | (2 * np.isfinite(heights[near]).sum(axis=0) < np.count_nonzero(near))
-    flank = _flank(inward, heights, _limb_slope(fingers, limb, viewpoint))
-    extent[rows] = _with_neighbours(fingers, np.minimum(np.where(face, np.inf, flank), bound))
+    fall = _limb_slope(fingers, limb, viewpoint)
+    flank = _flank(inward, heights, fall)
+    lost = (flank == 0) & (fall > 0) & (slope >= fall)
+    extent[rows] = _with_neighbours(fingers, np.minimum(np.where(face | lost, np.inf, flank), bound))
     return extent
 
 

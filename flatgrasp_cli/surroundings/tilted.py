@@ -122,9 +122,9 @@ class Tilted:
         others = self._standing(local, frame, cell_m).raised(obstacles)
         if not self._has_room(others.raised(local), local, gripper):
             return None
-        x, y, _ = frame.to_local(self._body).T
+        x, y, z = frame.to_local(self._body).T
         own = others.averaged(local)
-        body = self._body[own.over(x, y) == UNSEEN]
+        body = self._body[own.over(x, y) < z - surely_behind_m(self.settings)]  # what was seen is what is there
         points = np.concatenate([self.cloud.points, body])
         local = np.concatenate([local, frame.to_local(body)])
         highest = others.raised(local)

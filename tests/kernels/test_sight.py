@@ -48,8 +48,8 @@ def test_something_goes_on_as_far_as_most_places_beyond_a_chord_are_hidden(seed:
     ranges, levels, lowest = rng.uniform(0.5, 1.1, (10, 10)), np.zeros((10, 10)), rng.uniform(0, 0.2, (10, 10))
     rays = (EYE, PIXELS, ranges, GROUND, CELLS, levels, np.array([0.0, 0.02]))
     chords, out, along = rng.uniform(-0.2, 0.2, (8, 6)), 0.05 * np.arange(6.0), np.array([-0.3, 0.0, 0.4])
-    found = sight.going_on(chords, out, along, 0.1, lowest, PIXELS, *rays)
-    assert np.array_equal(found, twin.going_on(chords, out, along, 0.1, lowest, PIXELS, *rays))
+    found = sight.going_on(chords, out, along, np.full(len(chords), 0.1), lowest, PIXELS, *rays)
+    assert np.array_equal(found, twin.going_on(chords, out, along, np.full(len(chords), 0.1), lowest, PIXELS, *rays))
     for row, (cx, cy, ax, ay, ux, uy) in enumerate(chords):
         x, y = cx + along * ax - out[:, None] * ux, cy + along * ay - out[:, None] * uy
         cell = np.clip([(x + 0.5) / 0.1, (y + 0.5) / 0.1], 0, 9).astype(np.intp)

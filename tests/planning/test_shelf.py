@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from flatgrasp_cli import Plan, load_gripper, load_settings, plan
 from flatgrasp_cli.model import ObjectPlan
+from flatgrasp_cli.planning.scenes import in_picking_order
+from flatgrasp_cli.ranking import TIE
 from tests.conftest import TABLE, Box, Camera, Tube
 from tests.scene.test_heaps import distance
 from tests.surroundings.on_a_table import hand_in
@@ -48,3 +52,12 @@ def test_from_straight_above_what_is_below_the_board_is_not_had(name: str) -> No
     assert not below.grasps
     assert below.rejection is not None
     assert "mm high" in below.rejection.reason
+
+
+def test_of_equals_what_is_had_from_straight_above_is_picked_first() -> None:
+    found = plan(CAMERA.sees(TABLE, BOARD, BACK, *FRONT, BELOW), load_gripper("pr2"))
+    above, below = of(FRONT[0], found), of(BELOW, found)
+    one, other = (item.grasps[0].success.probability if item.grasps[0].success else 0.0 for item in (above, below))
+    assert abs(one - other) < TIE
+    farther = replace(above, grasps=(replace(above.grasps[0], gravity_distance_m=0.1),))
+    assert list(in_picking_order([below, farther])) == [farther, below]

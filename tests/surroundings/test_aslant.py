@@ -206,6 +206,16 @@ class TestBody:
         assert far[:, 2].min() < 10 * MM
         assert distance(self.BOX, place.points).max() < 4 * MM
 
+    def test_so_it_does_before_the_side_that_was_seen(self) -> None:
+        """Along the table from over there, the side that the camera looked at lies right behind the hidden one."""
+        place = self.tilted().whole(np.array([0.0, 1.0, 0.0]), load_gripper("pr2"))
+        assert place is not None
+        amid = (np.abs(place.points[:, 0]) < 0.04) & (np.abs(place.points[:, 2] - 0.03) < 0.02)
+        deep = place.points[amid, 1]
+        assert (deep > 25 * MM).sum() > 100
+        assert (deep < -25 * MM).sum() > 100
+        assert distance(self.BOX, place.points).max() < 4 * MM
+
     def test_slices_are_twice_as_far_apart_as_from_straight_above(self) -> None:
         """Hands along the table find a can 12 cm wide that deep, and narrower the nearer they are."""
         can = Tube((0.0, 0.0, 0.04), 0.06, 0.08)

@@ -19,7 +19,7 @@ from flatgrasp_cli.surroundings.sight import hidden_extent, seen_sides, unseen_b
 from flatgrasp_cli.surroundings.view import View
 from tests.by_hand import MM, Relief, candidates
 
-LEVEL_M = 4 * MM
+LEVEL_M, GRIP_M = 4 * MM, 8 * MM
 CELL_M = 2 * MM
 AT_ORIGIN = candidates(np.zeros((1, 2)), np.array([[0.0, 1.0]]))
 """One candidate: the object lies toward +y, the pad, 20 mm wide, along x."""
@@ -45,6 +45,18 @@ def shadow(top_mm: Relief) -> View:
     tops = np.asarray(top_mm(x.T * high_m / MM, -y.T * high_m / MM), dtype=np.float64) + 0 * x.T
     down = np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]])
     image = RangeImage(np.array([0.0, 0.0, high_m]), down, pixels, np.ascontiguousarray(high_m - MM * tops))
+    return View(image, Frame(np.zeros(3), np.eye(3)), None)
+
+
+def roof(bottom_mm: float, top_mm: float) -> View:
+    """A view from far aside in which what is between two heights is behind something, and all else lies in the open."""
+    far_m, side_m = 100.0, 0.12
+    pixels = Raster.over(np.full(2, -side_m / far_m), np.full(2, side_m / far_m), 0.25 * MM / far_m)
+    z = far_m * (pixels.origin[1] + pixels.cell_m * (np.arange(pixels.shape[1]) + 0.5))
+    roofed = (z > MM * bottom_mm) & (z < MM * top_mm)
+    ranges = np.broadcast_to(np.where(roofed, 0.5 * far_m, 2 * far_m), pixels.shape)
+    aside = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
+    image = RangeImage(np.array([0.0, far_m, 0.0]), aside, pixels, np.ascontiguousarray(ranges))
     return View(image, Frame(np.zeros(3), np.eye(3)), None)
 
 
@@ -189,6 +201,12 @@ class TestHiddenExtent:
         extent = extent_mm(lambda _x, y: np.where(y < 20, 40 - fall * y, np.nan), 40, bound_m=30 * MM)
         assert (extent < 20) if known else (extent == pytest.approx(30))
 
+    @pytest.mark.parametrize(("fall_deg", "extent"), [(28, 30), (40, 0)])
+    def test_nor_of_a_plane_that_turns_away_from_the_rays(self, fall_deg: float, extent: float) -> None:
+        """One that falls by 14° was lost from sight by rays at 28°, and seen to end by rays at 40°."""
+        slope = np.tan(np.radians(14))
+        assert extent_mm(lambda _x, y: 40 + slope * y, fall_deg, bound_m=30 * MM) == pytest.approx(extent)
+
     def test_nor_of_a_strip_of_a_few_millimetres(self) -> None:
         """An upright face seen from the front is as broad as the sensor's noise."""
         assert extent_mm(lambda _x, y: np.where(y < 4, 40.0, np.nan), 40, bound_m=30 * MM) == pytest.approx(30)
@@ -202,7 +220,7 @@ class TestHiddenExtent:
 def sides(envelope: Envelope, loop: int) -> FingerCandidates:
     """What is left of the candidate on that loop, before a lying can."""
     place = replace(AT_ORIGIN, loop=np.array([loop]))
-    return seen_sides(place, maps(lying_can(25, 45)), envelope, np.array([0.0, 0.5, 0.9]), LEVEL_M)
+    return seen_sides(place, maps(lying_can(25, 45)), envelope, np.array([0.0, 0.5, 0.9]), LEVEL_M, GRIP_M)
 
 
 class TestSeenSides:
@@ -215,3 +233,10 @@ class TestSeenSides:
     def test_a_finger_stands_in_a_hole_only_if_that_was_seen_through(self) -> None:
         assert len(sides(behind_a_box(lambda _x, y: 0 * y), loop=1)) == 1
         assert len(sides(behind_a_box(lambda _x, y: 40 + y), loop=1)) == 0
+
+    @pytest.mark.parametrize(("bottom_mm", "open_sides"), [(30, 0), (40, 1)])
+    def test_it_was_seen_through_where_the_pad_will_be(self, bottom_mm: float, open_sides: int) -> None:
+        """Aslant, what is far below the rim may be seen in the open: the can is 43 mm high at the chord."""
+        roofed = replace(behind_a_box(lambda _x, y: 0 * y), view=roof(bottom_mm, top_mm=50))
+        assert len(sides(roofed, loop=1)) == open_sides
+        assert sides(roofed, loop=0).hidden[0] == 0
