@@ -51,11 +51,3 @@ class Chain:
         shift = self.x.clip(low, high) - self.x
         begin, end = self.y[:-1] + self.slope * shift[:-1], self.y[1:] + self.slope * shift[1:]
         return meets, np.minimum(begin, end), np.maximum(begin, end)
-
-    def holds(self, x: float, y: FloatArray) -> BoolArray:
-        """Whether the points (x, y) (p,) lie inside: oddly many edges pass above."""
-        right = self.x > x
-        crosses = right[:-1] != right[1:]
-        crosses[self.breaks] = False
-        above = self.y[:-1] + (x - self.x[:-1]) * self.slope > y
-        return np.asarray(np.logical_xor.reduce(crosses & above, axis=0))

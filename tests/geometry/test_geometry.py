@@ -123,14 +123,6 @@ def test_an_upright_edge_in_the_strip_is_kept_whole() -> None:
     assert (low[0, 0], high[0, 0]) == (1.0, 3.0)
 
 
-@given(seeds)
-def test_a_chain_holds_what_its_loops_contain(seed: int) -> None:
-    loops, _ = holed(seed)
-    for point in np.random.default_rng(seed).uniform(-1, 1, (40, 2)):
-        inside = chain_of(*loops, shift=float(point[0])).holds(0.0, point[1:])
-        assert inside.tolist() == polygon.contains(loops, point[None]).tolist()
-
-
 def small_triangles(triangles: FloatArray, alpha: float) -> BoolArray:
     """Which `triangles` (n, 3, 2) belong to the α-shape: circumradius at most α, or no side longer than α."""
     a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]

@@ -13,9 +13,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
+from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.geometry.chain import Chain, closed_chain
 from flatgrasp_cli.geometry.polygon import in_frames
+from flatgrasp_cli.kernels.clearance import clearance
 from flatgrasp_cli.model import Tolerance
 from flatgrasp_cli.proof.caging.hands import Box, Hands
 
@@ -29,7 +30,7 @@ def tolerances(loops: Sequence[FloatArray], hands: Hands, boxes: Sequence[Box]) 
     """How far each of k hands may miss the region `loops` so that its `boxes` stay off it."""
     points, breaks = closed_chain(loops)
     outline = Chain.of(*in_frames(points, hands.center, hands.axis), breaks)
-    position = _clearance(outline, boxes)
+    position = _clearance(outline.x, outline.y, breaks, boxes)
     free = position > TOUCH_M
     position = np.where(free, position, 0.0)
     along, across = np.where(free, _shifts(outline, boxes), 0.0)
@@ -57,32 +58,12 @@ def _shifts(outline: Chain, boxes: Sequence[Box]) -> FloatArray:
     return np.asarray(np.maximum(least, 0.0))
 
 
-def _clearance(outline: Chain, boxes: Sequence[Box]) -> FloatArray:
-    """Distance (k,) of the outline to the nearest of the boxes; 0 if they overlap."""
-    return np.asarray(np.min([np.where(_overlap(outline, box), 0.0, _gap(outline, box)) for box in boxes], axis=0))
-
-
-def _overlap(outline: Chain, box: Box) -> BoolArray:
-    meets, lowest, highest = outline.clipped(box.low, box.high)
-    touches = (meets & (lowest <= box.far) & (highest >= box.near)).any(axis=0)
-    return np.asarray(touches | outline.holds(0.5 * (box.low + box.high), 0.5 * (box.near + box.far)))
-
-
-def _gap(outline: Chain, box: Box) -> FloatArray:
-    """Distance (k,) of box and outline that do not overlap: a vertex of one of them is nearest."""
-    aside = np.maximum(np.maximum(box.low - outline.x, outline.x - box.high), 0.0)
-    ahead = np.maximum(np.maximum(box.near - outline.y, outline.y - box.far), 0.0)
-    least = (aside**2 + ahead**2).min(axis=0)
-    run, rise = np.diff(outline.x, axis=0), np.diff(outline.y, axis=0)
-    run[outline.breaks] = rise[outline.breaks] = 0.0
-    squared = run**2 + rise**2
-    squared[squared == 0] = 1.0
-    for corner_x, corner_y in box.corners:
-        from_x, from_y = corner_x - outline.x[:-1], corner_y - outline.y[:-1]
-        where = ((from_x * run + from_y * rise) / squared).clip(0.0, 1.0)
-        apart = (from_x - where * run) ** 2 + (from_y - where * rise) ** 2
-        least = np.minimum(least, apart.min(axis=0))
-    return np.asarray(np.sqrt(least))
+def _clearance(x: FloatArray, y: FloatArray, breaks: IntArray, boxes: Sequence[Box]) -> FloatArray:
+    """Distance (k,) of an outline, a chain with vertices (n, k), to the nearest of the boxes; 0 if they overlap."""
+    joined = np.ones(len(x) - 1, dtype=np.uint8)
+    joined[breaks] = 0
+    apart = [clearance(x, y, joined, np.array([box.low, box.high]), np.stack([box.near, box.far])) for box in boxes]
+    return np.asarray(np.min(apart, axis=0))
 
 
 def _turn(
@@ -100,7 +81,7 @@ def _turn(
     for _ in range(TURNS):
         angle = np.minimum(angle + left / lever, MOST_TURN)
         cosine, sine = np.cos(angle), way * np.sin(angle)
-        left = _clearance(Chain.of(cosine * x + sine * y, cosine * y - sine * x, outline.breaks), both)
+        left = _clearance(cosine * x + sine * y, cosine * y - sine * x, outline.breaks, both)
         if (left < LEFT_M).all():
             break
     return np.asarray(angle.reshape(2, -1).min(axis=0))
