@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import cython
 import numpy as np
 from numpy.typing import NDArray
@@ -97,35 +95,3 @@ def lowered(
 ) -> None:
     """Lower the `values` (rows, columns) of a raster to the lowest of the `levels` (n,) at places x and y (n,)."""
     _moved(values, x, y, levels, origin, cell_m, False)
-
-
-def filled(
-    values: cython.double[:, ::1],
-    size: cython.double,
-    corner: cython.double[::1],
-    along: cython.double[:, ::1],
-    other: cython.double[:, ::1],
-    grid: cython.double[::1],
-) -> NDArray[np.float64]:
-    """The `values` (rows, columns) of a raster, those that are −∞ exchanged for what their cells' axes meet of another.
-
-    The rows of `along` (3, 3) are the raster's x, y and z in the frame of the `other`, in which the middle of its first
-    cell lies at the `corner` (3,); its cells have that `size`. The other's heights stand on z = 0 of its `grid` (3,).
-    """
-    row: cython.Py_ssize_t
-    column: cython.Py_ssize_t
-    found = np.array(values)
-    value: cython.double[:, ::1] = found
-    for row in range(values.shape[0]):
-        for column in range(values.shape[1]):
-            if values[row, column] > -math.inf:
-                continue
-            down: cython.double = size * row
-            right: cython.double = size * column
-            x: cython.double = corner[0] + down * along[0, 0] + right * along[1, 0]
-            y: cython.double = corner[1] + down * along[0, 1] + right * along[1, 1]
-            way: cython.double = -(corner[2] + down * along[0, 2] + right * along[1, 2]) / along[2, 2]
-            place: cython.Py_ssize_t = _cell(x + way * along[2, 0], grid[0], grid[2], other.shape[0])
-            beside: cython.Py_ssize_t = _cell(y + way * along[2, 1], grid[1], grid[2], other.shape[1])
-            value[row, column] = way + other[place, beside] / along[2, 2]
-    return found

@@ -6,7 +6,6 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from flatgrasp_cli.geometry.frames import frame_on_plane
 from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.kernels import looking_up
 from tests.kernels.interpreted import interpreted
@@ -34,19 +33,3 @@ def test_compiled_and_as_written_they_find_the_same(seed: int) -> None:
         extreme.at(plain.reshape(-1), cells, levels)
         assert np.array_equal(found, again)
         assert np.array_equal(found, plain)
-
-
-@given(seed=st.integers(0, 999))
-def test_empty_cells_take_what_their_axes_meet_of_another_raster(seed: int) -> None:
-    rng, twin = np.random.default_rng(seed), interpreted("looking_up")
-    values, other = rng.uniform(0, 1, (6, 5)), rng.uniform(0, 0.1, (8, 8))
-    values[rng.random(values.shape) < 0.6], other[rng.random(other.shape) < 0.2] = -np.inf, -np.inf
-    along = frame_on_plane(np.array([0.3, -0.2, 1.0]) / np.linalg.norm([0.3, -0.2, 1.0]), 0.0).axes
-    raster, corner = Raster(np.array([-0.4, -0.4]), 0.1, (8, 8)), rng.uniform(-0.2, 0.2, 3)
-    found = looking_up.filled(values, 0.05, corner, along, other, raster.grid)
-    assert np.array_equal(found, twin.filled(values, 0.05, corner, along, other, raster.grid))
-    row, column = np.indices(values.shape)
-    x, y, over = corner[:, None, None] + 0.05 * (row * along[0, :, None, None] + column * along[1, :, None, None])
-    way = -over / along[2, 2]
-    met = way + raster.looked_up(other, x + way * along[2, 0], y + way * along[2, 1]) / along[2, 2]
-    assert np.allclose(found, np.where(np.isfinite(values), values, met), atol=1e-12)
