@@ -67,6 +67,9 @@ STAGES = {
 }
 
 
+REST = "all else"
+"""What of a frame's time is none of the stages'."""
+
 # --- the frames -------------------------------------------------------------------------------------------------------
 
 
@@ -150,6 +153,7 @@ def time_frames(paths: list[Path], hand: Gripper, rounds: int, clock: StageClock
             row["frame"].append(milliseconds(partial(frame, path, hand, settings, clock)))
             for stage in STAGES:
                 row[stage].append(clock.ms[stage])
+            row[REST].append(row["frame"][-1] - sum(clock.ms[stage] for stage in STAGES))
     return [
         {name: median(values) for name, values in row.items()} | {"found": count}
         for row, count in zip(rows, found, strict=True)
@@ -218,7 +222,7 @@ def draw(out: Path, by_count: list[Figures], by_points: list[Figures]) -> None:
     colors = plt.get_cmap("viridis")(np.linspace(0.0, 0.95, len(STAGES)))
     for place, row in enumerate(by_count):
         begin = 0.0
-        for stage, color in zip(STAGES, colors, strict=True):
+        for stage, color in zip((*STAGES, REST), (*colors, "lightgray"), strict=True):
             left.barh(place, row[stage], left=begin, color=color, label=None if place else stage)
             begin += row[stage]
         left.plot([row["Open3D reads"]] * 2, [place - 0.45, place + 0.45], "r", label=None if place else "Open3D reads")
@@ -253,7 +257,7 @@ def main() -> None:
         scenes = [render(folder, count) for count in COUNTS]
         by_count = time_frames(scenes, hand, args.frames, clock)
         print("milliseconds (median)    " + "".join(f"{count:>9} obj." for count in COUNTS))
-        for name in ("found", "Open3D reads", "frame", *STAGES):
+        for name in ("found", "Open3D reads", "frame", *STAGES, REST):
             print(f"{name:25}" + "".join(f"{figures[name]:14.1f}" for figures in by_count))
         ratios = [figures["frame"] / figures["Open3D reads"] for figures in by_count]
         print(f"{'frame / Open3D reads':25}" + "".join(f"{ratio:14.2f}" for ratio in ratios))
