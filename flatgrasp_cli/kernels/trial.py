@@ -128,7 +128,7 @@ def _tried(
     left[grasp, 1] += down
     left[grasp, 2] += around
     left[grasp, 3] += around * _suffices(need, usual[0], usual[1])
-    need = max(need, samples[sample, 2])
+    need += samples[sample, 2]  # the weight pulls the way that leaning walls squeeze the object out
     lifted: cython.double = around * _suffices(need, usual[0], usual[1])
     still: cython.double = around * _suffices(max(need, met[7, grasp, sample]), usual[0], usual[1])
     left[grasp, 4] += lifted

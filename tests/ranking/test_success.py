@@ -71,7 +71,7 @@ class TestByHand:
     def test_friction_is_there_or_not(self) -> None:
         """Walls that lean by 0.4 need 0.4; there is 0.3 to 0.7."""
         found = situation(BAR, unsure("friction_share=0.4")).tried(grasp(40, 60, lean=0.4))
-        assert found.probability[0] == pytest.approx(0.75)
+        assert found.probability[0] == pytest.approx(0.75, abs=1e-4)
         assert dict(zip(CAUSES, found.causes[0], strict=True))["slips"] == pytest.approx(0.25)
 
     def test_walls_of_which_little_is_held_are_known_badly(self) -> None:
@@ -87,6 +87,13 @@ class TestByHand:
         found = chance(situation(BAR, unsure("density_kg_m3=[200,24000]"), hand=weak), grasp(40, 60))
         heaviest = 2 * 0.5 * 10 / (1.5 * 9.80665) / (80 * 40 * 30 * MM**3)
         assert found == pytest.approx((heaviest - 200) / 23800, abs=0.01)
+
+    @pytest.mark.parametrize(("mass_kg", "held"), [(0.5, 1.0), (0.6, 0.0)])
+    def test_what_leaning_walls_leave_of_the_friction_bears_the_weight(self, mass_kg: float, held: float) -> None:
+        """Of 0.5 a lean of 0.4 leaves 0.1: 2 × 40 N bear 8 N, and lifting 0.54 kg takes that."""
+        density = mass_kg / (80 * 40 * 30 * MM**3)
+        found = chance(situation(BAR, unsure(f"density_kg_m3=[{density},{density}]")), grasp(40, 60, lean=0.4))
+        assert found == pytest.approx(held)
 
     @pytest.mark.parametrize(("height_mm", "held"), [(20.0, True), (23.9, True), (24.1, False)])
     def test_a_hand_that_is_stopped_holds_what_is_left(self, height_mm: float, held: bool) -> None:
@@ -105,7 +112,7 @@ class TestByHand:
             situation(BAR, unsure("friction_share=0.4"), Around(height_mm * MM)).tried(table).probability[0]
             for height_mm in (5.0, 10.0, 11.25, 15.0)
         ]
-        assert found == pytest.approx([1.0, 0.875, 0.75, 0.375])
+        assert found == pytest.approx([1.0, 0.875, 0.75, 0.375], abs=1e-4)
 
     @pytest.mark.parametrize(
         ("fall", "held"), [((0.0, 0.0, -1.0), 1.0), ((1.0, 0.0, 0.0), 0.9), ((0.0, 1.0, 0.0), 1.0)]
@@ -185,7 +192,7 @@ def test_each_cause_on_its_own_is_named_and_no_other(cause: str) -> None:
     found = situation(region, unsure(*changes), around, hand).tried(table)
     shares = dict(zip(CAUSES, found.causes[0], strict=True))
     assert 0 < shares.pop(cause) <= 1
-    assert max(shares.values()) < 1e-9 or cause == "closes_beside"
+    assert max(shares.values()) < 1e-4 or cause == "closes_beside"
     assert max(shares, key=lambda name: shares[name]) != cause
 
 
