@@ -128,7 +128,9 @@ def _tried(
     left[grasp, 1] += down
     left[grasp, 2] += around
     left[grasp, 3] += around * _suffices(need, usual[0], usual[1])
-    need += samples[sample, 2]  # the weight pulls the way that leaning walls squeeze the object out
+    wedge += grasps[grasp, 5] * samples[sample, 2]
+    lean += grasps[grasp, 4] * samples[sample, 2]  # leaning walls squeeze the object out the way it is pulled
+    need = sqrt(wedge * wedge + lean * lean)
     lifted: cython.double = around * _suffices(need, usual[0], usual[1])
     still: cython.double = around * _suffices(max(need, met[7, grasp, sample]), usual[0], usual[1])
     left[grasp, 4] += lifted
@@ -148,8 +150,9 @@ def chances(
     What the hands have `met` (8, k, s): whether the open fingers are free (1, else 0), the room between pad and object,
     whether the object is between them, the tangent of the wedge that its sides make, the height at which something
     stops the fingertips, the share of them that is dark, the height at which they would end, and the friction that
-    turning needs. Of `grasps` (k, 4) are known the height that their pads reach up to, how much of that they cover, how
-    far the object goes on out of sight, and whether there is a height at all (1, else 0). The walls' `leans` (k, h) are
+    turning needs. Of `grasps` (k, 6) are known the height that their pads reach up to, how much of that they cover, how
+    far the object goes on out of sight, whether there is a height at all (1, else 0), and the shares of its weight that
+    pull along the approach and across the closing axis. The walls' `leans` (k, h) are
     tangents for fingertips that end where they should, and higher by equal shares of the grip. Of `samples` (s, 3) are
     known how much of what is hidden is there, the walls' error, and the friction that the weight needs. Where a hand is
     `inside` (k, s) a basin, closing ends in the grasp.

@@ -105,7 +105,9 @@ class Situation:
         met[4:6] = self.surroundings.stopped(hands, self.gripper)
         met[6], met[7] = hands.tip, to_lift.turning
         hidden, has_height = grasps.hidden.max(axis=1), ~np.isnan(grasps.grip)
-        known = np.column_stack([grasps.tip + grip_m, grip_m, hidden, has_height])
+        down, across = self.surroundings.down, grasps.axis[:, ::-1] * [1.0, -1.0]
+        pulls = np.full(len(grasps), abs(down[2])), np.abs(across @ down[:2])
+        known = np.column_stack([grasps.tip + grip_m, grip_m, hidden, has_height, *pulls])
         noise = np.sqrt(0.5) * unsure.outline_m * errors.outline
         samples = np.column_stack([errors.luck, noise, to_lift.weight])
         friction = self.settings.balance.friction_with(self.gripper)

@@ -19,7 +19,7 @@ def test_compiled_and_as_written_they_come_to_the_same(seed: int, alone: bool) -
     met = rng.uniform(0, 0.05, (8, *shape))
     met[[0, 2]] = rng.random((2, *shape)) < 0.8
     met[3] *= 20
-    grasps = np.column_stack([rng.uniform(0, 0.05, (3, 3)), np.full(3, not alone)])
+    grasps = np.column_stack([rng.uniform(0, 0.05, (3, 3)), np.full(3, not alone), rng.random((3, 2))])
     leans = rng.uniform(-0.1, 0.3, (3, 4))
     samples = np.column_stack([rng.random(8), rng.normal(0, 0.001, 8), rng.uniform(0, 0.5, 8)])
     inside = (rng.random(shape) < 0.2).view(np.uint8)
