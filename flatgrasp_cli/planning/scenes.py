@@ -161,16 +161,17 @@ def in_picking_order(plans: list[ObjectPlan]) -> Iterator[ObjectPlan]:
     """The order of picking: that of the objects' best grasps, but later what others lie on, or what lies at an edge.
 
     Of grasps that hold as probably, those from straight above come first: what stands beside the others may be gone by
-    then. Objects without a grasp come last, larger first.
+    then. Gravity distances of different objects compare only where nothing else does. Objects without a grasp come
+    last, larger first.
     """
     for _, alike in groupby(sorted(plans, key=_how_late), key=_how_late):
         items = sorted(alike, key=lambda item: -len(item.object.points))
         best = [item.grasps[0] if item.grasps else None for item in items]
-        chances = [grasp.success.probability if grasp and grasp.success else 0.0 for grasp in best]
-        distances = [grasp.gravity_distance_m if grasp else 0.0 for grasp in best]
-        aslant = [grasp is not None and grasp.approach.known_from != "top" for grasp in best]
-        places = np.argsort(np.lexsort((distances, aslant)))
-        yield from (items[k] for k in by_probability(np.array(chances), places))
+        chances = np.array([grasp.success.probability if grasp and grasp.success else 0.0 for grasp in best])
+        distances = np.array([grasp.gravity_distance_m if grasp else 0.0 for grasp in best])
+        aslant = np.array([grasp is not None and grasp.approach.known_from != "top" for grasp in best])
+        places = np.argsort(np.lexsort((distances, -chances, aslant)))
+        yield from (items[k] for k in by_probability(chances, places))
 
 
 def _how_late(item: ObjectPlan) -> tuple[bool, bool, bool]:
