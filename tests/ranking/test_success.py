@@ -101,7 +101,7 @@ class TestByHand:
     def test_what_leaning_walls_leave_of_the_friction_bears_the_weight(
         self, fall: tuple[float, float, float], mass_kg: float, held: bool
     ) -> None:
-        """Of 0.5 a lean of 0.4 leaves 0.1 the same way, 0.3 across it: 2 × 40 N bear 8 or 24 N, 1.5 times the weight."""
+        """Of 0.5 a lean of 0.4 leaves 0.1 the same way, 0.3 across it: 2 × 40 N bear 8 or 24 N: 1.5 weights."""
         density = mass_kg / (80 * 40 * 30 * MM**3)
         around = Around(fall=fall)
         found = chance(situation(BAR, unsure(f"density_kg_m3=[{density},{density}]"), around), grasp(40, 60, lean=0.4))
