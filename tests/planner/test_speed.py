@@ -81,7 +81,8 @@ def pose_error(one: Grasp, other: Grasp) -> tuple[float, float]:
 
 
 def grasps_of(result: Plan) -> list[Grasp]:
-    return [item.grasps[0] for item in result.objects if item.grasps]
+    """The best grasps, object by object, whatever their order of picking is."""
+    return [item.grasps[0] for item in sorted(result.objects, key=lambda item: item.object.id) if item.grasps]
 
 
 def by_triangles(points: FloatArray, alpha_m: float) -> Any:
