@@ -5,13 +5,16 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 from itertools import combinations
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib import get_data_path
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
+from matplotlib.font_manager import get_font
 from matplotlib.patches import Polygon
 
 from flatgrasp_cli.geometry.arrays import FloatArray
@@ -24,6 +27,7 @@ from flatgrasp_cli.results.figures.hand import DrawnHand, hand_solids
 from flatgrasp_cli.results.figures.labels import Label, put
 from flatgrasp_cli.results.figures.marks import draw_place, sensor_in_words
 from flatgrasp_cli.results.figures.page import Page, show
+from flatgrasp_cli.results.figures.scene import PLACES
 from flatgrasp_cli.results.figures.solid import AZIMUTH_DEG
 from flatgrasp_cli.results.figures.style import ORANGE
 from flatgrasp_cli.results.view import View, middle_of, view_of
@@ -103,6 +107,11 @@ def test_every_object_of_a_scene_has_its_number_and_its_hand(pr2: Gripper) -> No
     assert "2 objects on a support plane" in scene.get_title(loc="left")
     assert f"object {result.objects[0].object.id}" in close.get_title(loc="left")
     assert "pr2: two fingers on an arc" in figure.get_suptitle()
+
+
+def test_matplotlibs_own_font_has_the_numbers_of_the_order() -> None:
+    font = get_font(str(Path(get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf"))
+    assert {ord(number) for number in PLACES} <= set(font.get_charmap())
 
 
 def test_the_hand_is_drawn_where_the_grasp_is_in_both_panels(pr2: Gripper) -> None:

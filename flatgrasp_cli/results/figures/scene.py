@@ -34,7 +34,8 @@ COLORS = (BLUE, GREEN, PURPLE, SKY, ORANGE)
 MARGIN_MM = 120.0
 CROWD = 10
 """With more objects there is no room for words beside each."""
-PLACES = "①②③④⑤⑥⑦⑧⑨⑩⑪⑫⑬⑭⑮⑯⑰⑱⑲⑳"
+PLACES = "①②③④⑤⑥⑦⑧⑨⑩"
+"""Numbers in circles, as far as Matplotlib's own font has them; those after them are in brackets."""
 
 
 def draw_scene(axes: Axes, plan: Plan, view: View) -> None:
