@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
+
+Scalar = TypeVar("Scalar", bound=np.generic)
 
 GOLDEN = 0.6180339887498949
 """The golden ratio's fraction: its multiples never fall into step with the rows of an image."""
@@ -26,7 +30,7 @@ def spread_indices(count: int, size: int) -> IntArray:
     return stretch
 
 
-def even_sample(points: FloatArray, size: int) -> FloatArray:
+def even_sample(points: NDArray[Scalar], size: int) -> NDArray[Scalar]:
     """An even sample (min(size, n), …) of `points` (n, …)."""
     return points.take(spread_indices(len(points), size), axis=0)  # several times as fast as an index
 

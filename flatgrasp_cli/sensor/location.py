@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.frames import axes_about
 from flatgrasp_cli.kernels.points import near
 from flatgrasp_cli.model import SENSOR_FROM_TF, UP_UNTOLD, Cloud, CloudWarning, Sensor
 from flatgrasp_cli.model.clouds import LARGEST_COORDINATE_M
@@ -158,12 +159,11 @@ def _looking_down(
 def _from_above(surface: Surface, up: FloatArray) -> Verdict:
     """The best that can be said of the places above the cloud."""
     middle = np.median(surface.all_points, axis=0)
-    side = np.cross(np.eye(3)[int(np.argmin(np.abs(up)))], up)
-    side /= np.linalg.norm(side)
+    side, ahead, _ = axes_about(up)
     best: Verdict = "impossible"
     for tilt in np.radians(TILTS_DEG):
         for angle in 2 * np.pi * np.arange(AROUND if tilt > 0 else 1) / AROUND:
-            aside = np.cos(angle) * side + np.sin(angle) * np.cross(up, side)
+            aside = np.cos(angle) * side + np.sin(angle) * ahead
             verdict = surface.seen_from(middle + OVERHEAD_M * (np.cos(tilt) * up + np.sin(tilt) * aside))
             if verdict == "seen":
                 return "seen"

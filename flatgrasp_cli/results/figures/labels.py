@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.geometry.sampling import spread_indices
+from flatgrasp_cli.geometry.sampling import even_sample
 from flatgrasp_cli.results.figures.style import GREY
 
 DIRECTIONS = np.column_stack([f(2 * np.pi * np.arange(16) / 16) for f in (np.cos, np.sin)])
@@ -43,7 +43,7 @@ def put(axes: Axes, labels: Sequence[Label], drawn: FloatArray) -> None:
     """
     page = _Page(axes.get_window_extent().get_points(), axes.transData.transform(drawn), [])
     for label in labels:
-        thing = axes.transData.transform(label.thing[spread_indices(len(label.thing), MOST_POINTS)])
+        thing = axes.transData.transform(even_sample(label.thing, MOST_POINTS))
         style: dict[str, Any] = {"ha": "center", "va": "center", "zorder": 10} | label.style
         text = axes.text(0.0, 0.0, label.text, **style)
         half = 0.5 * np.array(text.get_window_extent().size) + PADDING_PX

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from flatgrasp_cli.geometry.arrays import IntArray
-from flatgrasp_cli.geometry.sampling import spread_indices
+from flatgrasp_cli.geometry.sampling import even_sample
 from flatgrasp_cli.model import ObjectPlan
 from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.results.figures.page import Page
@@ -207,7 +207,7 @@ def _draw_pairs(plane: PlaneDrawing, item: ObjectPlan, pairs: IntArray, word: st
     fingers = item.trace.fingers
     if fingers is None or not len(pairs):
         return
-    shown = pairs[spread_indices(len(pairs), MAX_PAIRS)]
+    shown = even_sample(pairs, MAX_PAIRS)
     label = f"{word} ({len(shown)} of {len(pairs)} shown)" if len(shown) < len(pairs) else f"{word} ({len(pairs)})"
     plane.segments(fingers.contact[shown[:, 0]], fingers.contact[shown[:, 1]], label, **style)
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from flatgrasp_cli.errors import FigureError
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.geometry.sampling import spread_indices
+from flatgrasp_cli.geometry.sampling import even_sample
 from flatgrasp_cli.results.view import View
 
 Scalar = TypeVar("Scalar", bound=np.generic)
@@ -86,7 +86,7 @@ def _encoded(figure: Figure) -> bytes:
 
 def thinned(points: NDArray[Scalar]) -> NDArray[Scalar]:
     """An even sample of `points` (n, …), or of their indices, that a picture can hold."""
-    return points[spread_indices(len(points), MAX_POINTS)]
+    return even_sample(points, MAX_POINTS)
 
 
 def counted(number: int, thing: str) -> str:
