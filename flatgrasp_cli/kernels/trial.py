@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import cython
 import numpy as np
-from cython.cimports.libc.math import sqrt
+from cython.cimports.libc.math import atan2, sqrt
 from numpy.typing import NDArray
 
 NARROW = cython.declare(cython.double, 1e-9)
@@ -38,31 +38,32 @@ def moved(grasps: cython.double[:, ::1], misses: cython.double[:, ::1]) -> NDArr
 def arms(
     hands: cython.double[:, :, ::1],
     pulls: cython.double[:, ::1],
-    middle: cython.double[::1],
     over: cython.double[::1],
     down: cython.double[::1],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """How far an object's weight pulls beside the pads of k hands (k, s), as in `moved`; and their mean distance (k,).
+) -> NDArray[np.float64]:
+    """How an object's weight turns it in k hands, as in `moved`, in s samples: rows arm, angle and tilt (3, k, s).
 
-    It pulls at `pulls` (s, 2), by `over` (k,) higher than the pads, and `down` (3,) is where things fall. The distance
-    is that from its `middle` (2,).
+    It pulls at `pulls` (s, 2), by `over` (k,) higher than the pads, and `down` (3,) is where things fall. The arm is
+    that about the line through the pads, and by the angle it would turn about that until its weight pulls straight
+    away from them; the tilt is the arm about the pads' other axis, along the plane.
     """
     grasp: cython.Py_ssize_t
     sample: cython.Py_ssize_t
-    found = np.empty((hands.shape[0], hands.shape[1])), np.zeros(hands.shape[0])
-    arm: cython.double[:, ::1] = found[0]
-    away: cython.double[::1] = found[1]
+    found = np.empty((3, hands.shape[0], hands.shape[1]))
+    load: cython.double[:, :, ::1] = found
     for grasp in range(hands.shape[0]):
         for sample in range(hands.shape[1]):
             ux: cython.double = hands[grasp, sample, 2]
             uy: cython.double = hands[grasp, sample, 3]
-            dx: cython.double = hands[grasp, sample, 0] - middle[0]
-            dy: cython.double = hands[grasp, sample, 1] - middle[1]
-            away[grasp] += sqrt(dx * dx + dy * dy) / hands.shape[1]
-            dx = pulls[sample, 0] - hands[grasp, sample, 0]
-            dy = pulls[sample, 1] - hands[grasp, sample, 1]
+            dx: cython.double = pulls[sample, 0] - hands[grasp, sample, 0]
+            dy: cython.double = pulls[sample, 1] - hands[grasp, sample, 1]
             beside: cython.double = ux * dy - uy * dx
-            arm[grasp, sample] = abs(down[2] * beside + over[grasp] * (down[0] * uy - down[1] * ux))
+            between: cython.double = ux * dx + uy * dy
+            aside: cython.double = down[0] * uy - down[1] * ux
+            along: cython.double = down[0] * ux + down[1] * uy
+            load[0, grasp, sample] = abs(down[2] * beside + over[grasp] * aside)
+            load[1, grasp, sample] = atan2(load[0, grasp, sample], down[2] * over[grasp] - aside * beside)
+            load[2, grasp, sample] = abs(down[2] * between - over[grasp] * along)
     return found
 
 
@@ -116,12 +117,12 @@ def _tried(
     held: cython.double = max(grasps[grasp, 0] - max(met[6, grasp, sample], met[4, grasp, sample]), 0.0)
     lands: cython.bint = met[0, grasp, sample] == 0 or met[1, grasp, sample] < samples[sample, 0] * grasps[grasp, 2]
     beside: cython.double = usual[2] if lands else 1.0
-    down: cython.double = beside * (1 - usual[4] * met[5, grasp, sample]) if held >= usual[5] else 0.0
+    down: cython.double = beside * (1 - usual[3] * met[5, grasp, sample]) if held >= usual[4] else 0.0
     around: cython.double = down if met[2, grasp, sample] != 0 or inside or lands else 0.0
     lean: cython.double = 0.0
     if grasps[grasp, 3] != 0:
-        lean = _lean(leans, grasp, 1 - held / max(grasps[grasp, 1], usual[5]))
-        lean = max(lean + samples[sample, 1] / max(0.5 * held, usual[5]), 0.0)
+        lean = _lean(leans, grasp, 1 - held / max(grasps[grasp, 1], usual[4]))
+        lean = max(lean + samples[sample, 1] / max(0.5 * held, usual[4]), 0.0)
     wedge: cython.double = 0.0 if inside else met[3, grasp, sample]
     need: cython.double = sqrt(wedge * wedge + lean * lean)
     left[grasp, 0] += beside
@@ -132,9 +133,16 @@ def _tried(
     lean += grasps[grasp, 4] * samples[sample, 2]  # leaning walls squeeze the object out the way it is pulled
     need = sqrt(wedge * wedge + lean * lean)
     lifted: cython.double = around * _suffices(need, usual[0], usual[1])
-    still: cython.double = around * _suffices(max(need, met[7, grasp, sample]), usual[0], usual[1])
     left[grasp, 4] += lifted
-    left[grasp, 5] += still + usual[3] * (lifted - still)
+    # What turns slides meanwhile, too: to stay between the pads, what it slides must be less than what they hold.
+    slide: cython.double = met[8, grasp, sample] / max(held, usual[4])
+    more: cython.double = (sqrt(1 + slide * slide) - 1) * samples[sample, 2]
+    wedge += grasps[grasp, 5] * more
+    lean += grasps[grasp, 4] * more
+    turned: cython.double = sqrt(wedge * wedge + lean * lean)
+    tilts: cython.double = (met[9, grasp, sample] - held) / max(grasps[grasp, 6], usual[4])
+    stays: cython.double = max(min(max(need, met[7, grasp, sample]), turned), tilts)
+    left[grasp, 5] += around * _suffices(stays, usual[0], usual[1])
 
 
 def chances(
@@ -147,18 +155,19 @@ def chances(
 ) -> NDArray[np.float64]:
     """How probably k grasps have not failed yet (k, 6): mean over s samples, after each of what they fail by.
 
-    What the hands have `met` (8, k, s): whether the open fingers are free (1, else 0), the room between pad and object,
+    What the hands have `met` (10, k, s): whether the open fingers are free (1, else 0), the room between pad and object,
     whether the object is between them, the tangent of the wedge that its sides make, the height at which something
-    stops the fingertips, the share of them that is dark, the height at which they would end, and the friction that
-    turning needs. Of `grasps` (k, 6) are known the height that their pads reach up to, how much of that they cover, how
-    far the object goes on out of sight, whether there is a height at all (1, else 0), and the shares of its weight that
-    pull along the approach and across the closing axis. The walls' `leans` (k, h) are
-    tangents for fingertips that end where they should, and higher by equal shares of the grip. Of `samples` (s, 3) are
-    known how much of what is hidden is there, the walls' error, and the friction that the weight needs. Where a hand is
-    `inside` (k, s) a basin, closing ends in the grasp.
+    stops the fingertips, the share of them that is dark, the height at which they would end, the friction that it takes
+    not to turn, how far what turns slides, and how high pads must be that do not let it tilt. Of `grasps` (k, 7) are
+    known the height that their pads reach up to, how much of that they cover, how far the object goes on out of sight,
+    whether there is a height at all (1, else 0), the shares of its weight that pull along the approach and across the
+    closing axis, and how far apart the pads are. The walls' `leans` (k, h) are tangents for fingertips that end where
+    they should, and higher by equal shares of the grip. Of `samples` (s, 3) are known how much of what is hidden is
+    there, the walls' error, and the friction that the weight needs. Where a hand is `inside` (k, s) a basin, closing
+    ends in the grasp.
 
-    What is `usual` (6,): friction, the share that it is known to, how often an object is held that a fingertip comes
-    down on and one that turns, how often something is in the dark, and the noise of heights.
+    What is `usual` (5,): friction, the share that it is known to, how often an object is held that a fingertip comes
+    down on, how often something is in the dark, and the noise of heights.
     """
     grasp: cython.Py_ssize_t
     sample: cython.Py_ssize_t

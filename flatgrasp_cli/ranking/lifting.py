@@ -16,32 +16,45 @@ STRESS = 1.5
 class Load(NamedTuple):
     """What p grips have to bear in s samples: `mass` (s,), kg, at `arm` (p, s), metres beside the line of the contacts.
 
-    `beyond` (p,) is how far the object goes on from there, metres.
+    By `turn` (p, s), radians, it turns about that line until it hangs; `tilt` (p, s), metres, is the arm of its weight
+    about the pads' other axis, across the approach.
     """
 
     mass: FloatArray
     arm: FloatArray
-    beyond: FloatArray
+    turn: FloatArray
+    tilt: FloatArray
 
 
 class Needs(NamedTuple):
-    """Friction coefficients that it takes to bear an object's weight (s,), and to keep it from turning (p, s)."""
+    """Friction coefficients that it takes to bear an object's weight (s,), and to keep it from turning (p, s).
+
+    `slide` (p, s), metres, is how far what turns slides through pads whose friction is √2 of what the weight takes, and
+    `tilt` (p, s), metres, how far apart, up and down, the forces of both pads move to bear the weight beside them.
+    """
 
     weight: FloatArray
     turning: FloatArray
+    slide: FloatArray
+    tilt: FloatArray
 
 
-def friction_to_lift(load: Load, force_n: float, pads: FloatArray, lift_m: float) -> Needs:
+def friction_to_lift(load: Load, force_n: float, pads: FloatArray) -> Needs:
     """The friction that p grips need in s samples, whose fingers press with `force_n` newtons.
 
     `pads` (p, 2) are the width and the height that they cover, metres. Weight: 2·μ·N ≥ m·(g + a). Turning: evenly
-    pressed pads bear the torque 2·μ·N·r, r being the mean distance from their middle; what turns nevertheless hangs
-    down from the hand, and is lifted all the same unless it goes on for more than the lift's height `lift_m`.
+    pressed pads bear the torque 2·μ·N·r, r being the mean distance from their middle.
+
+    What turns nevertheless slides while it does: a pad bears the force f and the torque τ together within the limit
+    surface (f / f_max)² + (τ / (r·f_max))² = 1 and slides along its normal (Goyal, Ruina & Papadopoulos, "Planar
+    sliding with dry friction", Wear 143, 1991; the ellipse is Lee & Cutkosky's, 1991), that is by r·w / √(1 − w²) for
+    each radian, w being the share of the friction that bears the weight.
+
+    Tilting: the forces of both pads move to opposite ends of the height h that they hold and bear N·h, and friction bears
+    μ·N·b besides, b being how far apart they are; what tilts further is levered out.
     """
-    weight = load.mass * STANDARD_GRAVITY / (2 * force_n)
-    turning = weight * load.arm / _mean_radius(pads)[:, None]
-    stays = (load.beyond > lift_m)[:, None]
-    return Needs(STRESS * weight, np.where(stays, turning, 0.0))
+    weight, radius = load.mass * STANDARD_GRAVITY / (2 * force_n), _mean_radius(pads)[:, None]
+    return Needs(STRESS * weight, weight * load.arm / radius, radius * load.turn, 2 * weight * load.tilt)
 
 
 def _mean_radius(pads: FloatArray) -> FloatArray:

@@ -6,23 +6,22 @@ import numpy as np
 import pytest
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.ranking.lifting import Load, friction_to_lift
+from flatgrasp_cli.ranking.lifting import Load, Needs, friction_to_lift
 from tests.by_hand import MM
 
 PADS = np.array([[20 * MM, 20 * MM]])
+QUARTER = np.pi / 2
 
 
-def needs(
-    mass_kg: float, arm_mm: float, beyond_mm: float = 300.0, force_n: float = 40.0, pads: FloatArray = PADS
-) -> tuple[float, float]:
-    load = Load(np.array([mass_kg]), np.array([[arm_mm * MM]]), np.array([beyond_mm * MM]))
-    found = friction_to_lift(load, force_n, pads, 100 * MM)
-    return float(found.weight[0]), float(found.turning[0, 0])
+def needs(mass_kg: float, arm_mm: float, force_n: float = 40.0, pads: FloatArray = PADS) -> Needs:
+    load = Load(np.array([mass_kg]), np.array([[arm_mm * MM]]), np.array([[QUARTER]]), np.array([[arm_mm * MM]]))
+    return friction_to_lift(load, force_n, pads)
 
 
 def test_two_pads_bear_the_weight_and_half_as_much_again() -> None:
     """1 kg weighs 9.81 N, and 14.7 N as it is lifted; two pads with 40 N each: friction 0.18."""
-    assert needs(1.0, 0.0) == pytest.approx((0.1839, 0.0), rel=1e-3)
+    found = needs(1.0, 0.0)
+    assert (found.weight[0], found.turning[0, 0]) == pytest.approx((0.1839, 0.0), rel=1e-3)
 
 
 @pytest.mark.parametrize(("wide_mm", "high_mm"), [(20.0, 20.0), (22.0, 4.0), (10.0, 30.0)])
@@ -31,13 +30,18 @@ def test_a_pad_bears_a_torque_with_the_arm_that_its_points_have_on_average(wide_
     places = [np.linspace(-0.5, 0.5, 401) * side for side in (wide_mm, high_mm)]
     arm_mm = float(np.hypot(*np.meshgrid(*places)).mean())
     pads = np.array([[wide_mm * MM, high_mm * MM]])
-    assert needs(1.0, arm_mm, pads=pads)[1] == pytest.approx(9.80665 / 80, rel=0.01)
+    found = needs(1.0, arm_mm, pads=pads)
+    assert found.turning[0, 0] == pytest.approx(9.80665 / 80, rel=0.01)
+    assert found.slide[0, 0] == pytest.approx(arm_mm * MM * QUARTER, rel=0.01)
 
 
-def test_what_turns_and_is_short_is_lifted_all_the_same() -> None:
-    assert needs(1.0, 50.0, beyond_mm=99.0)[1] == 0.0
-    assert needs(1.0, 50.0, beyond_mm=101.0)[1] > 0.5
+def test_pads_that_are_tilted_press_higher_and_lower_by_what_the_torque_takes() -> None:
+    """9.81 N at an arm of 60 mm: each pad's 40 N move by 7.36 mm up or down, 14.7 mm apart."""
+    assert needs(1.0, 60.0).tilt[0, 0] == pytest.approx(14.71 * MM, rel=1e-3)
 
 
 def test_twice_the_force_takes_half_the_friction() -> None:
-    assert np.multiply(2, needs(1.0, 30.0, force_n=80.0)) == pytest.approx(needs(1.0, 30.0))
+    strong, weak = needs(1.0, 30.0, force_n=80.0), needs(1.0, 30.0)
+    for name in ("weight", "turning", "tilt"):
+        assert 2 * getattr(strong, name) == pytest.approx(getattr(weak, name))
+    assert strong.slide == pytest.approx(weak.slide)  # how far it slides for a share of the friction
