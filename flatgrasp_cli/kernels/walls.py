@@ -13,6 +13,8 @@ import numpy as np
 from cython.cimports.libc.math import sqrt
 from numpy.typing import NDArray
 
+NARROW = cython.declare(cython.double, 1e-9)
+"""Metres; stands for a rise of 0."""
 UNSEEN = cython.declare(cython.double, -math.inf)
 
 
@@ -110,24 +112,23 @@ def faces(
     level: cython.double,
     near: cython.Py_ssize_t,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Rows top and boundary (2, m) of the walls before m chords; their profile and crests (2, d, m); and means (d, m).
+    """Rows top and boundary (2, m) of the walls before m chords; their crests (d, m); and means (d, m).
 
     The first `near` of the distances `inward` (d,) can show the wall's top, the median along the pad, and are its
-    boundary, a mean: the `level` where nothing was seen. Profiles are medians of the `surface`, crests of the `highest`
-    points, both 0 where nothing was; means are those of `profile`.
+    boundary, a mean: the `level` where nothing was seen. Crests are medians of the `highest` points, 0 where nothing
+    was seen; means are those of `profile`.
     """
     chord: cython.Py_ssize_t
     step: cython.Py_ssize_t
     place: cython.Py_ssize_t
-    row: cython.Py_ssize_t
     seen: cython.double[:, ::1] = np.empty((2, along.shape[0]))
     pad: cython.double[::1] = np.empty(along.shape[0])
     tops: cython.double[::1] = np.empty(along.shape[0])
-    figures, profiles = np.empty((2, chords.shape[0])), np.empty((2, inward.shape[0], chords.shape[0]))
-    means = np.empty((inward.shape[0], chords.shape[0]))
+    figures = np.empty((2, chords.shape[0]))
+    crests, means = np.empty((2, inward.shape[0], chords.shape[0]))
     wall: cython.double[:, ::1] = figures
     mean: cython.double[:, ::1] = means
-    height: cython.double[:, :, ::1] = profiles
+    crest: cython.double[:, ::1] = crests
     for chord in range(chords.shape[0]):
         count: cython.double = 0.0
         total: cython.double = 0.0
@@ -135,10 +136,9 @@ def faces(
         for step in range(inward.shape[0]):
             _look(chords, chord, inward[step], along, surface, highest, grid, seen)
             mean[step, chord] = _mean(seen, 1)
-            for row in range(2):
-                for place in range(along.shape[0]):
-                    pad[place] = seen[row, place] if seen[0, place] > UNSEEN else 0.0
-                height[row, step, chord] = _median(pad)
+            for place in range(along.shape[0]):
+                pad[place] = seen[1, place] if seen[0, place] > UNSEEN else 0.0
+            crest[step, chord] = _median(pad)
             for place in range(along.shape[0] if step < near else 0):
                 tops[place] = max(tops[place], seen[0, place])
                 if seen[0, place] > UNSEEN:
@@ -148,32 +148,29 @@ def faces(
             tops[place] = tops[place] if tops[place] > UNSEEN else level
         wall[0, chord] = _median(tops)
         wall[1, chord] = total / count if count > 0 else level
-    return figures, profiles, means
+    return figures, crests, means
 
 
 @cython.cfunc
 @cython.inline
 @cython.exceptval(check=False)
 def _recess(
-    heights: cython.double[:, :, ::1],
-    kind: cython.Py_ssize_t,
-    chord: cython.Py_ssize_t,
-    inward: cython.double[::1],
-    level: cython.double,
+    crests: cython.double[:, ::1], chord: cython.Py_ssize_t, inward: cython.double[::1], level: cython.double
 ) -> cython.double:
-    """How far inward from the first place a wall comes up to a level; one that never does begins at the last."""
-    above: cython.Py_ssize_t = 0
-    while above < inward.shape[0] - 1 and heights[kind, above, chord] < level:
+    """How far inward of its chord a wall comes up to a level; one that never does begins at the last place.
+
+    Before the first place it goes on as between the first two: there a round side comes up to most of its height.
+    """
+    above: cython.Py_ssize_t = 1
+    while above < inward.shape[0] - 1 and crests[above, chord] < level:
         above += 1
-    below: cython.Py_ssize_t = max(above - 1, 0)
-    low: cython.double = heights[kind, below, chord]
-    high: cython.double = heights[kind, above, chord]
-    share: cython.double = min(max((level - low) / (high - low if high > low else 1.0), 0.0), 1.0)
-    return inward[below] + share * (inward[above] - inward[below]) - inward[0]
+    low: cython.double = crests[above - 1, chord]
+    share: cython.double = min((level - low) / max(crests[above, chord] - low, NARROW), 1.0)
+    return max(inward[above - 1] + share * (inward[above] - inward[above - 1]), 0.0)
 
 
 def leans(
-    profiles: cython.double[:, :, ::1],
+    crests: cython.double[:, ::1],
     inward: cython.double[::1],
     pairs: cython.Py_ssize_t[:, ::1],
     tip: cython.double[::1],
@@ -183,9 +180,9 @@ def leans(
 ) -> NDArray[np.float64]:
     """Tangents (p, raised) of the angle by which the walls of `pairs` (2, p) lean, over the lower half of the grip.
 
-    The `profiles` (2, d, m) are those of `faces`, at the distances `inward` (d,). Fingertips end at `tip` (p,), below
-    the top of the `wall` (p,), or higher by equal shares of the grip, and walls lean at least as much there: by their
-    profiles first, and by their crests higher up. Heights are known to some `noise`.
+    The `crests` (d, m) are those of `faces`, at the distances `inward` (d,). Fingertips end at `tip` (p,), below the
+    top of the `wall` (p,), or higher by equal shares of the grip, and walls lean at least as much there. Heights are
+    known to some `noise`.
     """
     pair: cython.Py_ssize_t
     step: cython.Py_ssize_t
@@ -196,9 +193,8 @@ def leans(
         for step in range(raised):
             end: cython.double = tip[pair] + step / cython.cast(cython.double, raised) * (wall[pair] - tip[pair])
             half: cython.double = 0.5 * max(wall[pair] - end, noise)
-            kind: cython.Py_ssize_t = 0 if step == 0 else 1
-            one: cython.double = _recess(profiles, kind, pairs[0, pair], inward, end + half) / half
-            other: cython.double = _recess(profiles, kind, pairs[1, pair], inward, end + half) / half
+            one: cython.double = _recess(crests, pairs[0, pair], inward, end + half) / half
+            other: cython.double = _recess(crests, pairs[1, pair], inward, end + half) / half
             # the tangent of half the sum of their angles
             aslant: cython.double = sqrt((1 + one * one) * (1 + other * other)) + 1 - one * other
             most = max(most, (one + other) / aslant)

@@ -50,8 +50,8 @@ def friction_to_lift(load: Load, force_n: float, pads: FloatArray) -> Needs:
     sliding with dry friction", Wear 143, 1991; the ellipse is Lee & Cutkosky's, 1991), that is by r·w / √(1 − w²) for
     each radian, w being the share of the friction that bears the weight.
 
-    Tilting: the forces of both pads move to opposite ends of the height h that they hold and bear N·h, and friction bears
-    μ·N·b besides, b being how far apart they are; what tilts further is levered out.
+    Tilting: the forces of both pads move to opposite ends of the height h that they hold and bear N·h, and friction
+    bears μ·N·b besides, b being how far apart they are; what tilts further is levered out.
     """
     weight, radius = load.mass * STANDARD_GRAVITY / (2 * force_n), _mean_radius(pads)[:, None]
     return Needs(STRESS * weight, weight * load.arm / radius, radius * load.turn, 2 * weight * load.tilt)

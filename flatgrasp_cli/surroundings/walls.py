@@ -39,16 +39,16 @@ class Walls(NamedTuple):
     top: FloatArray
     boundary: FloatArray
     flank: FloatArray
-    profiles: FloatArray
+    crests: FloatArray
 
     def lean(self, pairs: IntArray, tip: FloatArray, top: FloatArray) -> FloatArray:
         """Tangents (p, RAISED) of the angle by which the walls of `pairs` (2, p) lean, over the lower half of the grip.
 
         They are those for fingertips that end at `tip` (p,), below the walls' `top` (p,), and for such that end higher,
-        by equal shares of the grip: then walls lean at least as much, and by their highest points, for the mean height
-        of an upright face that was seen is half of its own.
+        by equal shares of the grip: then walls lean at least as much. They lean by their highest points, for the mean
+        height of an upright face that was seen is half of its own.
         """
-        found: FloatArray = kernels.leans(self.profiles, INWARD_M, pairs, tip, top, RAISED, NOISE_M)
+        found: FloatArray = kernels.leans(self.crests, INWARD_M, pairs, tip, top, RAISED, NOISE_M)
         return found
 
 
@@ -85,11 +85,9 @@ def walls(fingers: FingerCandidates, surface: HeightMap, highest: HeightMap, lev
     of the `highest` points, for the mean height of an upright face is half of its own.
     """
     maps = surface.heights, highest.heights, surface.grid
-    (top, boundary), profiles, means = kernels.faces(
-        chords_of(fingers), INWARD_M, ALONG_PAD, *maps, level_m, WALL_PLACES
-    )
+    (top, boundary), crests, means = kernels.faces(chords_of(fingers), INWARD_M, ALONG_PAD, *maps, level_m, WALL_PLACES)
     _, slope = fitted_lines(INWARD_M, means.T)
     flank = (slope > LEAST_SLOPE) & (slope < 1 / friction)
     return Walls(
-        top=top, boundary=boundary, flank=np.where(flank, slope * INWARD_M[WALL_PLACES - 1], 0.0), profiles=profiles
+        top=top, boundary=boundary, flank=np.where(flank, slope * INWARD_M[WALL_PLACES - 1], 0.0), crests=crests
     )

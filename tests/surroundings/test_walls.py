@@ -57,14 +57,23 @@ def test_what_rises_by_half_to_one_over_friction_is_a_flank_for_5_mm(rise: float
     assert slope.flank[0] == pytest.approx(flank_mm * MM, rel=0.05)
 
 
-def test_leans_are_told_for_fingertips_a_quarter_of_the_grip_higher_each() -> None:
-    """Of two walls that rise by 5 mm a millimetre, from 1 mm inward on: over the lower half of what is left of it.
+@pytest.mark.parametrize(
+    ("rise", "recesses_mm"), [(5.0, [4, 5, 6, 7]), (25.0, [0.8, 1.0, 1.2, 1.4])], ids=["slope", "steep"]
+)
+def test_leans_are_told_for_fingertips_a_quarter_of_the_grip_higher_each(rise: float, recesses_mm: list[float]) -> None:
+    """Of two walls that rise by so much a millimetre: over the lower half of what is left of the grip.
 
-    Up to 40 mm, of grips of 40, 30, 20 and 10 mm, those halves end at 20, 25, 30 and 35 mm.
+    Up to 40 mm, of grips of 40, 30, 20 and 10 mm, those halves end at 20, 25, 30 and 35 mm. The steep one has come that
+    high before the first place that is looked at, and goes on outward of it as inward.
     """
-    rising = found(lambda _x, y: 5 * y)
+    rising = found(lambda _x, y: rise * np.maximum(y, 0))
     leans = rising.lean(np.zeros((2, 1), dtype=np.intp), np.zeros(1), np.array([40 * MM]))
-    assert leans == pytest.approx(np.array([[3 / 20, 4 / 15, 5 / 10, 6 / 5]]), rel=0.1)
+    assert leans[0] * [20, 15, 10, 5] == pytest.approx(recesses_mm, abs=0.3)  # a cell of the map is 0.5 mm
+
+
+def test_an_upright_wall_leans_by_nothing() -> None:
+    upright_wall = found(lambda x, _y: np.full_like(x, 40.0))
+    assert not upright_wall.lean(np.zeros((2, 1), dtype=np.intp), np.zeros(1), np.array([40 * MM])).any()
 
 
 class TestUpright:
