@@ -125,6 +125,18 @@ class ImageGrid:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Measured:
+    """Points (n, 3) that are known to have been measured, all of them within a box with the `corners` (2, 3)."""
+
+    points: FloatArray
+    corners: FloatArray
+
+
+UNKNOWN = Measured(np.empty((0, 3)), np.array([[np.inf] * 3, [-np.inf] * 3]))
+"""What is known of points that nobody looked through."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Cloud:
     """One recorded frame: `points` (n, 3) in metres in `frame_id`.
 
@@ -157,7 +169,7 @@ class Cloud:
     pixels: ImageGrid | None = None
     """The image that the points are the pixels of, if they are those of one."""
     warnings: tuple[CloudWarning, ...] = ()
-    measured: FloatArray | None = field(default=None, repr=False)
+    measured: Measured = field(default=UNKNOWN, repr=False)
     """The `points` again, if all of them are known to have been measured: they are not looked through once more."""
 
     def __post_init__(self) -> None:
@@ -174,14 +186,15 @@ class Cloud:
         object.__setattr__(self, "points", points)
         if self.viewpoint is not None:
             object.__setattr__(self, "viewpoint", _place(self.viewpoint))
-        if points is self.measured:
+        if points is self.measured.points:
             return
-        lost = not_measured(points, LARGEST_COORDINATE_M)
+        corners = np.empty((2, 3))
+        lost = not_measured(points, LARGEST_COORDINATE_M, corners)
+        object.__setattr__(self, "measured", Measured(points, corners))
         if len(lost):
             rest = self.without(lost)
-            for name in ("points", "dropped", "colors", "pixels"):
+            for name in ("points", "dropped", "colors", "pixels", "measured"):
                 object.__setattr__(self, name, getattr(rest, name))
-        object.__setattr__(self, "measured", self.points)
 
     @property
     def frame_name(self) -> str:
@@ -201,7 +214,7 @@ class Cloud:
         return replace(
             self,
             points=points,
-            measured=None if self.measured is None else points,
+            measured=Measured(points, self.measured.corners),
             colors=None if self.colors is None else self.colors.take(rows, axis=0),
             pixels=None if self.pixels is None else self.pixels.select(keep),
         )
