@@ -1,4 +1,4 @@
-"""Random sample consensus: of many planes through three points each, the one that most points agree with."""
+"""Planes through points: what they agree with, and what least squares want to know of them."""
 
 from __future__ import annotations
 
@@ -9,6 +9,53 @@ from numpy.typing import NDArray
 
 IN_LINE_M2 = cython.declare(cython.double, 1e-12)
 """Twice the area of a triangle, square metres, below which its corners lie on a line."""
+
+
+def spread(
+    points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The mean (3,) of `points` (n, 3), and the sum of the products (3, 3) of what they are off it."""
+    row: cython.Py_ssize_t
+    count: cython.Py_ssize_t = points.shape[0]
+    x: cython.double = 0.0
+    y: cython.double = 0.0
+    z: cython.double = 0.0
+    for row in range(count):
+        x += points[row, 0]
+        y += points[row, 1]
+        z += points[row, 2]
+    x, y, z = x / count, y / count, z / count
+    xx, xy, xz, yy, yz, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for row in range(count):
+        dx: cython.double = points[row, 0] - x
+        dy: cython.double = points[row, 1] - y
+        dz: cython.double = points[row, 2] - z
+        xx += dx * dx
+        xy += dx * dy
+        xz += dx * dz
+        yy += dy * dy
+        yz += dy * dz
+        zz += dz * dz
+    return np.array([x, y, z]), np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def near_plane(
+    points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
+    normal: cython.const[cython.double][:],  # type: ignore[valid-type]
+    offset: cython.double,
+    distance: cython.double,
+) -> NDArray[np.float64]:
+    """Those of `points` (n, 3) that are nearer than a `distance` to a plane with a unit `normal` (3,) and an offset."""
+    row: cython.Py_ssize_t
+    found: cython.Py_ssize_t = 0
+    kept = np.empty((points.shape[0], 3))
+    point: cython.double[:, ::1] = kept
+    nx, ny, nz = normal[0], normal[1], normal[2]
+    for row in range(points.shape[0]):
+        if abs(nx * points[row, 0] + ny * points[row, 1] + nz * points[row, 2] - offset) < distance:
+            point[found, 0], point[found, 1], point[found, 2] = points[row, 0], points[row, 1], points[row, 2]
+            found += 1
+    return kept[:found]
 
 
 def consensus(

@@ -149,6 +149,22 @@ def near(
     return np.asarray(close[:found])
 
 
+def distances(
+    points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
+    place: cython.const[cython.double][:],  # type: ignore[valid-type]
+) -> NDArray[np.float64]:
+    """How far (n,) `points` (n, 3) lie from a `place` (3,)."""
+    row: cython.Py_ssize_t
+    found = np.empty(points.shape[0])
+    apart: cython.double[::1] = found
+    for row in range(points.shape[0]):
+        x: cython.double = points[row, 0] - place[0]
+        y: cython.double = points[row, 1] - place[1]
+        z: cython.double = points[row, 2] - place[2]
+        apart[row] = sqrt(x * x + y * y + z * z)
+    return found
+
+
 def mean(points: cython.const[cython.double][:, :]) -> NDArray[np.float64]:  # type: ignore[valid-type]
     """The mean (c,) of `points` (n, c) in the plane or in space."""
     row: cython.Py_ssize_t

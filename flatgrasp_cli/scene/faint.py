@@ -10,6 +10,7 @@ from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.geometry.extents import mean_of
 from flatgrasp_cli.geometry.sampling import even_sample
 from flatgrasp_cli.geometry.scatter import median, quantile
+from flatgrasp_cli.kernels.points import distances
 from flatgrasp_cli.model import SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.clusters import Clusters
@@ -32,7 +33,7 @@ def without_faint(
     """
     sample = even_sample(points, SAMPLE)
     flat = sample[np.abs(plane.heights(sample)) < flatness_m(plane, settings)]
-    usual_m = median(np.linalg.norm((flat if len(flat) else sample) - viewpoint, axis=1))
+    usual_m = median(distances(flat if len(flat) else sample, viewpoint))
     reach = WINDOW_PX * clusters.floor.spacing_m / usual_m
 
     def is_faint(own: FloatArray) -> bool:

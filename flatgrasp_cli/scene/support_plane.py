@@ -11,6 +11,8 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.planes import consensus_plane, least_squares_plane
 from flatgrasp_cli.geometry.sampling import even_sample
 from flatgrasp_cli.geometry.scatter import deviation, median
+from flatgrasp_cli.kernels.planes import near_plane
+from flatgrasp_cli.kernels.points import distances
 from flatgrasp_cli.model import Sensor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 
@@ -127,19 +129,17 @@ def _tolerance(points: FloatArray, sensor: Sensor) -> FloatArray:
     """How far (n,) from a plane points (n, 3) may lie to agree with it, metres."""
     if sensor.position is None:
         return np.full(len(points), TOLERANCE_SHARE * REACH_M)
-    apart = points - sensor.position
-    distance = np.sqrt(np.einsum("ij,ij->i", apart, apart))
-    return np.asarray(TOLERANCE_SHARE * distance)
+    return np.asarray(TOLERANCE_SHARE * distances(points, sensor.position))
 
 
 def _fitted(points: FloatArray, normal: FloatArray, offset: float, tolerance: float) -> SupportPlane:
     """Least squares on those of `points` (n, 3) that lie within a tolerance of a plane, and their scatter."""
-    inliers = points.take(np.flatnonzero(np.abs(points @ normal - offset) < tolerance), axis=0)
+    inliers = near_plane(points, normal, offset, tolerance)
     refined, _ = least_squares_plane(inliers)
     normal = refined if refined @ normal > 0 else -refined
     offset = median(inliers @ normal)
-    scatter = np.abs(points @ normal - offset)
-    return SupportPlane(normal, offset, deviation(scatter[scatter < tolerance]))
+    own = near_plane(points, normal, offset, tolerance)
+    return SupportPlane(normal, offset, deviation(own @ normal - offset))
 
 
 def _oriented(
