@@ -15,9 +15,10 @@ from flatgrasp_cli.geometry.hull import depths
 from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.geometry.sampling import even_sample, spread_indices
 from flatgrasp_cli.geometry.scatter import deviation
+from flatgrasp_cli.kernels.windows import means
 from flatgrasp_cli.model import Floor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
-from flatgrasp_cli.scene.cells import LEVEL_WINDOW_M, SMOOTH_CELLS, SortedPoints, fitting_cell_m, smoothed, usual
+from flatgrasp_cli.scene.cells import LEVEL_WINDOW_M, SMOOTH_CELLS, SortedPoints, fitting_cell_m, usual
 from flatgrasp_cli.scene.masks import ends_of, hull_of, span_of
 from flatgrasp_cli.scene.strays import lonely
 from flatgrasp_cli.scene.support_plane import FINE_SAMPLE, GOOD_PART, NEAR_M, SIGMAS, flatness_m
@@ -62,10 +63,13 @@ def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettin
         return None
     standing = _standing(found, own, table, plane.noise_m, settings)
     labels = _labels(_bridged(standing, 0.5 * settings.min_size_m / raster.cell_m)) * standing
-    chosen = _objects(found, labels, table, settings)
+    above = np.flatnonzero(standing)
+    chosen = _objects(found, labels, above, table, settings)
 
     # from here on only the points in cells that stand out, which are few, without the plane's at an object's edge
-    rows, heights = found.standing(np.where(standing, np.minimum(flat_m, 0.5 * own), np.inf))
+    floor = np.full(standing.shape, np.inf)
+    floor.flat[above] = np.minimum(flat_m, 0.5 * own.take(above))
+    rows, heights = found.standing(floor)
     among = np.flatnonzero(~lonely(points.take(rows, axis=0), SMOOTH_CELLS * found.raster.cell_m))
     rows, heights = rows[among], heights[among]
     piece = labels.ravel()[found.cell[rows]]
@@ -96,9 +100,8 @@ def _floor(frame: Frame, found: SortedPoints, rows: IntArray, heights: FloatArra
     not the plane's, at `heights`.
     """
     cell = found.cell[rows].astype(np.intp)
-    count = found.count - found.raster.count(cell)
-    mean = (found.total - found.raster.total(cell, heights)) / np.maximum(count, 1)
-    level = smoothed(mean, count, 2 * round(0.5 * width_m / found.raster.cell_m) + 1)
+    count, total = found.count - found.raster.count(cell), found.total - found.raster.total(cell, heights)
+    level = means(total, count, 2 * round(0.5 * width_m / found.raster.cell_m) + 1)
     levels = HeightMap(found.raster, np.where(count > 0, level, UNSEEN))
     return Floor(frame, levels, found.raster.cell_m / float(np.sqrt(usual(count))))
 
@@ -108,13 +111,17 @@ def _standing(
 ) -> BoolArray:
     """Which cells stand out of the plane, whose level ripples: by the mean of their surroundings and by their `own`."""
     window = 2 * round(0.5 * LEVEL_WINDOW_M / found.raster.cell_m) + 1
-    smooth = smoothed(own, found.count, SMOOTH_CELLS) - smoothed(own, table, window)
-    ripple = smooth[table]
-    scatter = deviation(even_sample(ripple, FINE_SAMPLE))
-    highest = scatter * np.sqrt(2 * np.log(len(ripple)))  # that noise alone makes of so many (Donoho & Johnstone 1994)
+    level = means(np.where(table, own, 0.0), table.astype(np.intp), window)
+    smooth = means(found.total, found.count, SMOOTH_CELLS) - level
+    of_table = np.flatnonzero(table)
+    scatter = deviation(smooth.take(even_sample(of_table, FINE_SAMPLE)))
+    # the highest that noise alone makes of so many (Donoho & Johnstone 1994)
+    highest = scatter * np.sqrt(2 * np.log(len(of_table)))
     threshold = max(settings.min_height_m, highest)
-    sure = SIGMAS * noise_m / np.sqrt(np.maximum(found.count, 1))
-    return np.asarray((found.count > 0) & (smooth > threshold) & (own > np.maximum(threshold, sure)))
+    standing: BoolArray = (smooth > threshold) & (own > threshold)
+    few = np.flatnonzero(standing)
+    standing.flat[few] = own.take(few) > SIGMAS * noise_m / np.sqrt(found.count.take(few))
+    return standing
 
 
 def _bridged(mask: BoolArray, gap_cells: float) -> ByteArray:
@@ -137,13 +144,18 @@ def _broad(mask: BoolArray, cells: float) -> BoolArray:
     width = 2 * round(0.5 * cells) + 1
     labels = _labels(bridged)
     core = cv2.erode(bridged, np.ones((width, width), np.uint8)) > 0
-    broad = np.bincount(labels[core], minlength=int(labels.max()) + 1) > 0
+    broad = np.zeros(int(labels.max()) + 1, dtype=np.bool_)
+    broad[labels.take(np.flatnonzero(core))] = True
     return np.asarray(broad.take(labels) & mask)
 
 
-def _objects(found: SortedPoints, labels: IntArray, table: BoolArray, settings: SceneSettings) -> list[int]:
-    """Names of the clusters that are objects, largest first: large enough, and amid the plane."""
-    cell = np.flatnonzero(labels)
+def _objects(
+    found: SortedPoints, labels: IntArray, cell: IntArray, table: BoolArray, settings: SceneSettings
+) -> list[int]:
+    """Names of the clusters that are objects, largest first: large enough, and amid the plane.
+
+    `cell` (k,) are the flat indices of those with `labels` (rows, columns).
+    """
     row, column = np.divmod(cell, labels.shape[1])
     name_of = labels.ravel()[cell]
     cells = np.bincount(name_of)

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
-from flatgrasp_cli.geometry.hull import convex_hull
 
 
 def hull_of(mask: BoolArray) -> FloatArray:
     """Corners (c, 2) of the convex hull of a mask's cells; the first and the last cell of each row suffice."""
     rows, first, last = ends_of(mask)
-    return convex_hull(np.column_stack([np.tile(rows, 2), np.concatenate([first, last])]).astype(np.float64))
+    ends = np.column_stack([np.tile(rows, 2), np.concatenate([first, last])])
+    corners = cv2.convexHull(ends.astype(np.int32)).reshape(-1, 2)  # which of whole numbers is exact
+    return corners.astype(np.float64) if len(corners) > 2 else np.empty((0, 2))
 
 
 def ends_of(mask: BoolArray) -> tuple[IntArray, IntArray, IntArray]:
