@@ -9,6 +9,7 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.frames import Frame
+from flatgrasp_cli.geometry.sampling import even_sample
 from flatgrasp_cli.kernels.points import not_measured
 
 LARGEST_COORDINATE_M = 1e4
@@ -126,10 +127,14 @@ class ImageGrid:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Measured:
-    """Points (n, 3) that are known to have been measured, all of them within a box with the `corners` (2, 3)."""
+    """Points (n, 3) that are known to have been measured, all of them within a box with the `corners` (2, 3).
+
+    `samples` are even ones of several sizes, each of which is taken once.
+    """
 
     points: FloatArray
     corners: FloatArray
+    samples: dict[int, FloatArray] = field(default_factory=dict)
 
 
 UNKNOWN = Measured(np.empty((0, 3)), np.array([[np.inf] * 3, [-np.inf] * 3]))
@@ -195,6 +200,14 @@ class Cloud:
             rest = self.without(lost)
             for name in ("points", "dropped", "colors", "pixels", "measured"):
                 object.__setattr__(self, name, getattr(rest, name))
+
+    def sample(self, size: int) -> FloatArray:
+        """An even sample (min(size, n), 3) of the points."""
+        samples = self.measured.samples
+        if size not in samples:
+            samples[size] = even_sample(self.points, size)
+            samples[size].flags.writeable = False  # the same is asked for again and again of a frame
+        return samples[size]
 
     @property
     def frame_name(self) -> str:

@@ -13,10 +13,10 @@ from flatgrasp_cli.geometry.frames import Frame, frame_on_plane
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 from flatgrasp_cli.geometry.hull import depths
 from flatgrasp_cli.geometry.raster import Raster
-from flatgrasp_cli.geometry.sampling import even_sample, spread_indices
+from flatgrasp_cli.geometry.sampling import even_sample
 from flatgrasp_cli.geometry.scatter import deviation
 from flatgrasp_cli.kernels.windows import means
-from flatgrasp_cli.model import Floor, SupportPlane
+from flatgrasp_cli.model import Cloud, Floor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.cells import LEVEL_WINDOW_M, SMOOTH_CELLS, SortedPoints, fitting_cell_m, usual
 from flatgrasp_cli.scene.masks import ends_of, hull_of, span_of
@@ -50,11 +50,11 @@ class Clusters:
     solid: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
 
 
-def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettings) -> Clusters | None:
-    """The objects among `points` (n, 3) on `plane`, largest first; None if no cell shows the plane itself."""
+def find_clusters(cloud: Cloud, plane: SupportPlane, settings: SceneSettings) -> Clusters | None:
+    """The objects of a cloud on `plane`, largest first; None if no cell shows the plane itself."""
     frame, flat_m = frame_on_plane(plane.normal, plane.offset_m), flatness_m(plane, settings)
     coarse_m = settings.least_part_m / SMOOTH_CELLS  # shadows and gaps are as wide as parts
-    raster = _raster(points, frame, flat_m, coarse_m)
+    raster, points = _raster(cloud, frame, flat_m, coarse_m), cloud.points
     # heights are cut off, lest a single flying point lift the mean of all cells around it
     found = SortedPoints.of(points, frame, raster, (-flat_m, settings.least_part_m))
     own = found.total / np.maximum(found.count, 1)
@@ -82,15 +82,15 @@ def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettin
     )
 
 
-def _raster(points: FloatArray, frame: Frame, flat_m: float, coarse_m: float) -> Raster:
+def _raster(cloud: Cloud, frame: Frame, flat_m: float, coarse_m: float) -> Raster:
     """A raster of the plane and a margin around it, as far as there are points, laid out by an even sample of them."""
-    chosen = spread_indices(len(points), FINE_SAMPLE)
-    x, y, heights = frame.to_local(points.take(chosen, axis=0)).T
+    sample = cloud.sample(FINE_SAMPLE)
+    x, y, heights = frame.to_local(sample).T
     flat = np.abs(heights) < flat_m
     sides = [(x, x[flat]), (y, y[flat])]
     low = np.array([max(every_one.min(), own.min() - NEAR_M) for every_one, own in sides])
     high = np.array([min(every_one.max(), own.max() + NEAR_M) for every_one, own in sides])
-    return Raster.over(low, high, fitting_cell_m(x[flat], y[flat], coarse_m, len(points) / len(chosen)))
+    return Raster.over(low, high, fitting_cell_m(x[flat], y[flat], coarse_m, len(cloud.points) / len(sample)))
 
 
 def _floor(frame: Frame, found: SortedPoints, rows: IntArray, heights: FloatArray, width_m: float) -> Floor:

@@ -7,7 +7,7 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
 from flatgrasp_cli.geometry.extents import bounds_of
 from flatgrasp_cli.geometry.raster import MAX_CELLS
-from flatgrasp_cli.geometry.sampling import GOLDEN, even_sample
+from flatgrasp_cli.geometry.sampling import GOLDEN
 from flatgrasp_cli.kernels import points as kernels
 from flatgrasp_cli.model import Cloud
 from flatgrasp_cli.scene.support_plane import FINE_SAMPLE, REACH_M
@@ -26,7 +26,7 @@ def without_far_strays(cloud: Cloud) -> Cloud:
     """
     if len(cloud.points) == 0:
         return cloud
-    columns = even_sample(cloud.points, FINE_SAMPLE).T
+    columns = cloud.sample(FINE_SAMPLE).T
     tail = int(TAIL_SHARE * columns.shape[1])
     if _reaches_all(columns, tail, cloud.measured.corners):
         return cloud
@@ -54,7 +54,7 @@ def without_repeats(cloud: Cloud) -> Cloud:
     No sensor measures the same place repeatedly to the last digit. Such points are invalid ones, moved to the sensor's
     place or another by a transform, or copies that pad a cloud to a fixed length.
     """
-    sample = even_sample(cloud.points, FINE_SAMPLE)
+    sample = cloud.sample(FINE_SAMPLE)
     x, y, z = sample.T
     mixed = (x + GOLDEN * (y + GOLDEN * z)).astype(np.float32)  # the same for the same place, and hardly for another
     along = np.sort(mixed)
