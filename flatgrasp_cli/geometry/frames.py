@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.kernels.projection import local
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -19,11 +18,9 @@ class Frame:
     axes: FloatArray
 
     def to_local(self, points: FloatArray) -> FloatArray:
-        """World points (n, 3), or one (3,), in this frame."""
-        if points.ndim != 2:
-            return np.asarray((points - self.origin) @ self.axes.T)
-        found: FloatArray = local(points, self.origin, self.axes)
-        return found
+        """World points (n, 3) in this frame."""
+        local: FloatArray = (points - self.origin) @ self.axes.T
+        return local
 
     def to_world(self, points: FloatArray) -> FloatArray:
         """Points (n, 3) of this frame, or (n, 2) in its x-y plane, in the world."""

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.kernels.planes import consensus, spread
+from flatgrasp_cli.geometry.extents import mean_of
+from flatgrasp_cli.kernels.planes import consensus
 
 HYPOTHESES = 250
 
@@ -25,6 +26,7 @@ def consensus_plane(
 
 def least_squares_plane(points: FloatArray) -> tuple[FloatArray, float]:
     """Unit normal (3,), of either sign, and offset of the plane with the least squared distances to `points` (n, 3)."""
-    mean, products = spread(points)
-    normal = np.linalg.eigh(products)[1][:, 0]
+    mean = mean_of(points)
+    centred = points - mean
+    normal = np.linalg.eigh(centred.T @ centred)[1][:, 0]
     return normal, float(normal @ mean)

@@ -1,4 +1,4 @@
-"""Planes through points: what they agree with, and what least squares want to know of them."""
+"""Planes through points: the one that most agree with, and what lies near one."""
 
 from __future__ import annotations
 
@@ -9,34 +9,6 @@ from numpy.typing import NDArray
 
 IN_LINE_M2 = cython.declare(cython.double, 1e-12)
 """Twice the area of a triangle, square metres, below which its corners lie on a line."""
-
-
-def spread(
-    points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The mean (3,) of `points` (n, 3), and the sum of the products (3, 3) of what they are off it."""
-    row: cython.Py_ssize_t
-    count: cython.Py_ssize_t = points.shape[0]
-    x: cython.double = 0.0
-    y: cython.double = 0.0
-    z: cython.double = 0.0
-    for row in range(count):
-        x += points[row, 0]
-        y += points[row, 1]
-        z += points[row, 2]
-    x, y, z = x / count, y / count, z / count
-    xx, xy, xz, yy, yz, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for row in range(count):
-        dx: cython.double = points[row, 0] - x
-        dy: cython.double = points[row, 1] - y
-        dz: cython.double = points[row, 2] - z
-        xx += dx * dx
-        xy += dx * dy
-        xz += dx * dz
-        yy += dy * dy
-        yz += dy * dz
-        zz += dz * dz
-    return np.array([x, y, z]), np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
 def near_plane(

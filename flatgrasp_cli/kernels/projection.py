@@ -53,26 +53,3 @@ def turned(
         for axis in range(3):
             columns[axis, point] = axes[axis, 0] * x + axes[axis, 1] * y + axes[axis, 2] * z
     return found
-
-
-def local(
-    points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
-    origin: cython.const[cython.double][:],  # type: ignore[valid-type]
-    axes: cython.const[cython.double][:, :],  # type: ignore[valid-type]
-) -> NDArray[np.float64]:
-    """The same as rows (n, 3)."""
-    point: cython.Py_ssize_t
-    found = np.empty((points.shape[0], 3))
-    row: cython.double[:, ::1] = found
-    origin_x, origin_y, origin_z = origin[0], origin[1], origin[2]
-    xx, xy, xz = axes[0, 0], axes[0, 1], axes[0, 2]
-    yx, yy, yz = axes[1, 0], axes[1, 1], axes[1, 2]
-    zx, zy, zz = axes[2, 0], axes[2, 1], axes[2, 2]
-    for point in range(points.shape[0]):
-        x: cython.double = points[point, 0] - origin_x
-        y: cython.double = points[point, 1] - origin_y
-        z: cython.double = points[point, 2] - origin_z
-        row[point, 0] = xx * x + xy * y + xz * z
-        row[point, 1] = yx * x + yy * y + yz * z
-        row[point, 2] = zx * x + zy * y + zz * z
-    return found

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -41,13 +40,8 @@ def test_points_in_line_make_none() -> None:
 
 
 @given(seed=st.integers(0, 999))
-def test_so_is_what_lies_near_one_and_how_it_spreads(seed: int) -> None:
-    rng, as_written = np.random.default_rng(seed), interpreted("planes")
-    points, normal = rng.uniform(-1, 1, (40, 3)), np.array([0.6, 0.0, 0.8])
+def test_so_is_what_lies_near_one(seed: int) -> None:
+    points, normal = np.random.default_rng(seed).uniform(-1, 1, (40, 3)), np.array([0.6, 0.0, 0.8])
     own = planes.near_plane(points, normal, 0.1, 0.4)
     assert np.array_equal(own, points[np.abs(points @ normal - 0.1) < 0.4])
-    assert np.array_equal(own, as_written.near_plane(points, normal, 0.1, 0.4))
-    mean, products = planes.spread(points)
-    assert mean == pytest.approx(points.mean(axis=0))
-    assert products == pytest.approx(40 * np.cov(points.T, bias=True))
-    assert all(np.array_equal(*both) for both in zip((mean, products), as_written.spread(points), strict=True))
+    assert np.array_equal(own, interpreted("planes").near_plane(points, normal, 0.1, 0.4))

@@ -27,5 +27,3 @@ def test_compiled_and_as_written_they_are_the_same(seed: int) -> None:
     turned = projection.turned(points, origin, axes)
     assert np.array_equal(turned, twin.turned(points, origin, axes))
     assert turned == pytest.approx(local.T, abs=1e-12)
-    assert np.array_equal(turned.T, projection.local(points, origin, axes))
-    assert np.array_equal(turned.T, twin.local(points, origin, axes))
