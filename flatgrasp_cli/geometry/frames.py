@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.kernels.points import apart
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -19,8 +20,8 @@ class Frame:
 
     def to_local(self, points: FloatArray) -> FloatArray:
         """World points (n, 3) in this frame."""
-        local: FloatArray = (points - self.origin) @ self.axes.T
-        return local
+        moved = apart(points, self.origin) if points.ndim == 2 else points - self.origin
+        return np.asarray(moved @ self.axes.T)
 
     def to_world(self, points: FloatArray) -> FloatArray:
         """Points (n, 3) of this frame, or (n, 2) in its x-y plane, in the world."""

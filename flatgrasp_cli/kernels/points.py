@@ -165,6 +165,20 @@ def distances(
     return found
 
 
+def apart(
+    points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
+    place: cython.const[cython.double][:],  # type: ignore[valid-type]
+) -> NDArray[np.float64]:
+    """The ways (n, 3) from a `place` (3,) to `points` (n, 3): numpy takes ten times as long for rows so short."""
+    row: cython.Py_ssize_t
+    found = np.empty((points.shape[0], 3))
+    way: cython.double[:, ::1] = found
+    x, y, z = place[0], place[1], place[2]
+    for row in range(points.shape[0]):
+        way[row, 0], way[row, 1], way[row, 2] = points[row, 0] - x, points[row, 1] - y, points[row, 2] - z
+    return found
+
+
 def mean(points: cython.const[cython.double][:, :]) -> NDArray[np.float64]:  # type: ignore[valid-type]
     """The mean (c,) of `points` (n, c) in the plane or in space."""
     row: cython.Py_ssize_t

@@ -68,6 +68,8 @@ def test_compiled_and_as_written_they_are_the_same(seed: int) -> None:
     good = np.nan_to_num(some, nan=0.1, posinf=0.2, neginf=-0.2)
     assert np.array_equal(points.mean(good), twin.mean(good))
     assert np.array_equal(points.bounds(good), twin.bounds(good))
+    assert np.array_equal(points.apart(good, low), good - low)
+    assert np.array_equal(points.apart(good, low), twin.apart(good, low))
     assert np.array_equal(points.distances(good, low), twin.distances(good, low))
     assert points.distances(good, low) == pytest.approx(np.linalg.norm(good - low, axis=1))
 
