@@ -84,7 +84,7 @@ def find_container(points: FloatArray, floor: Floor, settings: SceneSettings) ->
     if len(points) == 0 or min(np.ptp(x), np.ptp(y)) < least_m:
         return None
     raster = floor.levels.raster
-    means = raster.rimmed(raster.mean(raster.cells(x, y), height, UNSEEN), UNSEEN)
+    means = raster.rimmed(raster.mean(x, y, height, UNSEEN), UNSEEN)
     filled = _filled(np.where(means > UNSEEN, means, floor.levels.heights))
     level, highest = settings.min_size_m, float(filled.max())
     while level < highest:
