@@ -70,7 +70,8 @@ class HeightMap:
 
     def averaged(self, points: FloatArray) -> HeightMap:
         """The same cells with the mean height of the `points` (n, 3) in each."""
-        return replace(self, heights=self.raster.mean(*points.T, UNSEEN))
+        x, y, z = points.T
+        return replace(self, heights=self.raster.mean(x, y, z, UNSEEN))
 
     def over(self, x: FloatArray, y: FloatArray) -> FloatArray:
         """Heights (…) of the cells that hold points, given by columns x and y (…)."""

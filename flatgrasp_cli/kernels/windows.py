@@ -1,10 +1,26 @@
-"""Means over square windows of a raster: sums run along, so that a window's size does not matter."""
+"""Means over cells of a raster, and over square windows of them: sums run along, so that their size does not matter."""
 
 from __future__ import annotations
 
 import cython
 import numpy as np
 from numpy.typing import NDArray
+
+
+def of_cells(
+    total: cython.const[cython.double][:, ::1],  # type: ignore[valid-type]
+    count: cython.const[cython.Py_ssize_t][:, ::1],  # type: ignore[valid-type]
+) -> NDArray[np.float64]:
+    """Mean (rows, columns) of what is summed up in `total` and counted in `count` in each cell; 0 where nothing is."""
+    row: cython.Py_ssize_t
+    column: cython.Py_ssize_t
+    found = np.zeros((total.shape[0], total.shape[1]))
+    mean: cython.double[:, ::1] = found
+    for row in range(total.shape[0]):
+        for column in range(total.shape[1]):
+            if count[row, column] > 0:
+                mean[row, column] = total[row, column] / count[row, column]
+    return found
 
 
 def means(

@@ -15,11 +15,12 @@ from flatgrasp_cli.geometry.hull import depths
 from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.geometry.sampling import even_sample
 from flatgrasp_cli.geometry.scatter import deviation
-from flatgrasp_cli.kernels.windows import means
+from flatgrasp_cli.kernels.rim import ends
+from flatgrasp_cli.kernels.windows import means, of_cells
 from flatgrasp_cli.model import Cloud, Floor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.cells import LEVEL_WINDOW_M, SMOOTH_CELLS, SortedPoints, fitting_cell_m, usual
-from flatgrasp_cli.scene.masks import ends_of, hull_of, span_of
+from flatgrasp_cli.scene.masks import hull_of, span_of
 from flatgrasp_cli.scene.strays import lonely
 from flatgrasp_cli.scene.support_plane import FINE_SAMPLE, GOOD_PART, NEAR_M, SIGMAS, flatness_m
 from flatgrasp_cli.surroundings.slices import MIN_POINTS
@@ -57,7 +58,7 @@ def find_clusters(cloud: Cloud, plane: SupportPlane, settings: SceneSettings) ->
     raster, points = _raster(cloud, frame, flat_m, coarse_m), cloud.points
     # heights are cut off, lest a single flying point lift the mean of all cells around it
     found = SortedPoints.of(points, frame, raster, (-flat_m, settings.least_part_m))
-    own = found.total / np.maximum(found.count, 1)
+    own = of_cells(found.total, found.count)
     table = _broad((found.count > 0) & (np.abs(own) < flat_m), settings.least_part_m / found.raster.cell_m)
     if not table.any():
         return None
@@ -187,7 +188,7 @@ def _outside_share(labels: IntArray, chosen: list[int], table: BoolArray) -> flo
     """Share of the plane's cells outside the objects' convex hulls: a hollow object's floor lies inside its own."""
     covered = np.zeros(table.shape, dtype=np.uint8)
     for name in chosen:
-        rows, first, last = ends_of(labels == name)
-        ends = np.column_stack([np.concatenate([first, last]), np.tile(rows, 2)])  # OpenCV's x is the column
-        cv2.fillConvexPoly(covered, cv2.convexHull(ends.astype(np.int32)), 1)
+        rows, first, last = ends((labels == name).view(np.uint8))
+        both = np.column_stack([np.concatenate([first, last]), np.tile(rows, 2)])  # OpenCV's x is the column
+        cv2.fillConvexPoly(covered, cv2.convexHull(both.astype(np.int32)), 1)
     return 1.0 - int(np.count_nonzero(table & (covered > 0))) / max(1, int(np.count_nonzero(table)))

@@ -51,10 +51,11 @@ def test_what_was_not_seen_is_filled_with_the_ground(seed: int) -> None:
     for kernel in (looking_up, interpreted("looking_up")):
         found.append(heights.copy())
         kernel.filled(found[-1], 0.05, corner, along, ground, origin, 0.1)
-    assert np.array_equal(*found)
+    assert np.array_equal(found[0], found[1])
     for row, column in np.ndindex(5, 4):
         x, y, over = corner + 0.05 * (row * along[0] + column * along[1])
         way = -over / along[2, 2]
-        met = looking_up.over(ground, *(np.array([x, y]) + way * along[2, :2])[:, None], origin, 0.1)[0]
+        met_x, met_y = (np.array([x, y]) + way * along[2, :2])[:, None]
+        met = looking_up.over(ground, met_x, met_y, origin, 0.1)[0]
         expected = heights[row, column] if np.isfinite(heights[row, column]) else way + met / along[2, 2]
         assert found[0][row, column] == pytest.approx(expected)

@@ -18,6 +18,9 @@ def test_they_are_those_of_each_window(seed: int, cells: int) -> None:
     total = rng.normal(size=count.shape) * count
     found = windows.means(total, count, cells)
     assert np.array_equal(found, interpreted("windows").means(total, count, cells))
+    cells_own = windows.of_cells(total, count)
+    assert np.array_equal(cells_own, total / np.maximum(count, 1))
+    assert np.array_equal(cells_own, interpreted("windows").of_cells(total, count))
     for row, column in np.ndindex(*count.shape):
         window = tuple(slice(max(0, middle - half), middle + half + 1) for middle in (row, column))
         counted = int(count[window].sum())
