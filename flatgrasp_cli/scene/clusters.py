@@ -15,6 +15,7 @@ from flatgrasp_cli.geometry.hull import depths
 from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.geometry.sampling import even_sample
 from flatgrasp_cli.geometry.scatter import deviation
+from flatgrasp_cli.kernels.flood import holding
 from flatgrasp_cli.kernels.rim import ends
 from flatgrasp_cli.kernels.windows import means, of_cells
 from flatgrasp_cli.model import Cloud, Floor, SupportPlane
@@ -143,11 +144,9 @@ def _broad(mask: BoolArray, cells: float) -> BoolArray:
     """
     bridged = cv2.dilate(mask.view(np.uint8), np.ones((3, 3), np.uint8))
     width = 2 * round(0.5 * cells) + 1
-    labels = _labels(bridged)
-    core = cv2.erode(bridged, np.ones((width, width), np.uint8)) > 0
-    broad = np.zeros(int(labels.max()) + 1, dtype=np.bool_)
-    broad[labels.take(np.flatnonzero(core))] = True
-    return np.asarray(broad.take(labels) & mask)
+    count, labels = cv2.connectedComponents(bridged, connectivity=8)
+    core = cv2.erode(bridged, np.ones((width, width), np.uint8))
+    return np.asarray(holding(labels, core, count) & mask)
 
 
 def _objects(

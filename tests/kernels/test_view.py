@@ -65,3 +65,12 @@ def test_names_spread_alike(seed: int) -> None:
     found = flood.flooded(*arguments)
     assert np.array_equal(found, interpreted("flood").flooded(*arguments))
     assert np.array_equal(found[names > 0], names[names > 0])
+
+
+@given(seed=st.integers(0, 999))
+def test_pieces_that_hold_something(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    names, core = rng.integers(0, 5, (6, 7), dtype=np.int32), rng.random((6, 7)) < 0.05
+    found = flood.holding(names, core.view(np.uint8), 5)
+    assert np.array_equal(found, np.isin(names, names[core]))
+    assert np.array_equal(found, interpreted("flood").holding(names, core.view(np.uint8), 5))
