@@ -96,3 +96,27 @@ def holding(
         for column in range(names.shape[1]):
             kept[row, column] = holds[names[row, column]]
     return found.view(np.bool_)
+
+
+def from_nearest(
+    values: cython.const[cython.double][:, ::1],  # type: ignore[valid-type]
+    nearest: cython.const[cython.int][:, ::1],  # type: ignore[valid-type]
+    empty: cython.const[cython.uchar][:, ::1],  # type: ignore[valid-type]
+) -> NDArray[np.float64]:
+    """The `values` (rows, columns) with that of the nearest cell in those that are `empty`.
+
+    `nearest` are numbers of the cells that are not, up to that of all cells, and those of the nearest ones in the rest.
+    """
+    row: cython.Py_ssize_t
+    column: cython.Py_ssize_t
+    value_of: cython.double[::1] = np.zeros(values.shape[0] * values.shape[1] + 1)
+    found = np.empty((values.shape[0], values.shape[1]))
+    filled: cython.double[:, ::1] = found
+    for row in range(values.shape[0]):
+        for column in range(values.shape[1]):
+            if not empty[row, column]:
+                value_of[nearest[row, column]] = values[row, column]
+    for row in range(values.shape[0]):
+        for column in range(values.shape[1]):
+            filled[row, column] = value_of[nearest[row, column]]
+    return found

@@ -11,6 +11,7 @@ from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntA
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.height_map import UNSEEN
 from flatgrasp_cli.geometry.raster import Raster
+from flatgrasp_cli.kernels.flood import from_nearest
 from flatgrasp_cli.model import Floor
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.support_plane import GOOD_PART
@@ -122,9 +123,8 @@ def _filled(heights: FloatArray) -> FloatArray:
     """`heights` (rows, columns) with that of the nearest seen cell in all that were not seen."""
     unseen = (heights == UNSEEN).view(np.uint8)
     _, nearest = cv2.distanceTransformWithLabels(unseen, cv2.DIST_L2, cv2.DIST_MASK_5, labelType=cv2.DIST_LABEL_PIXEL)
-    height_of = np.zeros(int(nearest.max()) + 1)
-    height_of[nearest[unseen == 0]] = heights[unseen == 0]
-    return np.asarray(height_of[nearest])
+    found: FloatArray = from_nearest(heights, nearest, unseen)
+    return found
 
 
 def _closed(walls: BoolArray, gap: float) -> BoolArray:
