@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.kernels.points import apart
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -20,8 +19,8 @@ class Frame:
 
     def to_local(self, points: FloatArray) -> FloatArray:
         """World points (n, 3) in this frame."""
-        moved = apart(points, self.origin) if points.ndim == 2 else points - self.origin
-        return np.asarray(moved @ self.axes.T)
+        local: FloatArray = (points - self.origin) @ self.axes.T
+        return local
 
     def to_world(self, points: FloatArray) -> FloatArray:
         """Points (n, 3) of this frame, or (n, 2) in its x-y plane, in the world."""
