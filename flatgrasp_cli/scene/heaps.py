@@ -118,7 +118,7 @@ class Heap:
 
         def footprint(piece: Piece) -> int:
             x, y, _ = floor.frame.to_local(self.points[piece[0]]).T
-            return int(np.count_nonzero(floor.levels.raster.count(floor.levels.raster.cells(x, y))))
+            return len(np.unique(floor.levels.raster.cells(x, y)))
 
         if len(objects) > 1:
             objects = sorted(objects, key=footprint, reverse=True)
