@@ -169,7 +169,7 @@ def apart(
     points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
     place: cython.const[cython.double][:],  # type: ignore[valid-type]
 ) -> NDArray[np.float64]:
-    """The ways (n, 3) from a `place` (3,) to `points` (n, 3): numpy takes ten times as long for rows so short."""
+    """The ways (n, 3) from a `place` (3,) to `points` (n, 3): numpy takes several times as long for rows so short."""
     row: cython.Py_ssize_t
     found = np.empty((points.shape[0], 3))
     way: cython.double[:, ::1] = found

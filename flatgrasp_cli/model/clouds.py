@@ -9,8 +9,8 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.frames import Frame
-from flatgrasp_cli.geometry.sampling import even_sample
 from flatgrasp_cli.kernels.points import not_measured
+from flatgrasp_cli.model.measured import UNKNOWN, Measured
 
 LARGEST_COORDINATE_M = 1e4
 """What lies farther from the origin than 10 km was not measured by anything that looks at objects."""
@@ -126,22 +126,6 @@ class ImageGrid:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Measured:
-    """Points (n, 3) that are known to have been measured, all of them within a box with the `corners` (2, 3).
-
-    `samples` are even ones of several sizes, each of which is taken once.
-    """
-
-    points: FloatArray
-    corners: FloatArray
-    samples: dict[int, FloatArray] = field(default_factory=dict)
-
-
-UNKNOWN = Measured(np.empty((0, 3)), np.array([[np.inf] * 3, [-np.inf] * 3]))
-"""What is known of points that nobody looked through."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class Cloud:
     """One recorded frame: `points` (n, 3) in metres in `frame_id`.
 
@@ -202,12 +186,8 @@ class Cloud:
                 object.__setattr__(self, name, getattr(rest, name))
 
     def sample(self, size: int) -> FloatArray:
-        """An even sample (min(size, n), 3) of the points."""
-        samples = self.measured.samples
-        if size not in samples:
-            samples[size] = even_sample(self.points, size)
-            samples[size].flags.writeable = False  # the same is asked for again and again of a frame
-        return samples[size]
+        """An even sample (min(size, n), 3) of the points, which nobody may change."""
+        return self.measured.sample(size)
 
     @property
     def frame_name(self) -> str:

@@ -17,7 +17,8 @@ from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.kernels.points import measured
 from flatgrasp_cli.model import Cloud, CloudWarning, ImageGrid, Source
-from flatgrasp_cli.model.clouds import LARGEST_COORDINATE_M, Measured
+from flatgrasp_cli.model.clouds import LARGEST_COORDINATE_M
+from flatgrasp_cli.model.measured import Measured
 from flatgrasp_cli.sources.ascii_rows import more_rows, read_columns
 from flatgrasp_cli.sources.pcd_header import PcdHeader, check_pcd_data, read_pcd_header
 from flatgrasp_cli.sources.ply_elements import Column, read_element
