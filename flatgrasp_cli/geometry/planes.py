@@ -7,6 +7,7 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.extents import mean_of
 from flatgrasp_cli.kernels.planes import consensus
+from flatgrasp_cli.kernels.points import apart
 
 HYPOTHESES = 250
 
@@ -27,6 +28,6 @@ def consensus_plane(
 def least_squares_plane(points: FloatArray) -> tuple[FloatArray, float]:
     """Unit normal (3,), of either sign, and offset of the plane with the least squared distances to `points` (n, 3)."""
     mean = mean_of(points)
-    centred = points - mean
+    centred = apart(points, mean)
     normal = np.linalg.eigh(centred.T @ centred)[1][:, 0]
     return normal, float(normal @ mean)

@@ -91,10 +91,10 @@ class Raster:
         total: FloatArray = np.bincount(cell, weights=values, minlength=self.size).astype(np.float64, copy=False)
         return total.reshape(self.shape)
 
-    def mean(self, cell: IntArray, values: FloatArray, empty: float) -> FloatArray:
-        """Mean (rows, columns) of the `values` (n,) in each cell, `empty` where there are none."""
-        count, mean = self.count(cell), np.full(self.shape, empty)
-        np.divide(self.total(cell, values), count, out=mean, where=count > 0)
+    def mean(self, x: FloatArray, y: FloatArray, values: FloatArray, empty: float) -> FloatArray:
+        """Mean (rows, columns) of the `values` (n,) at points x and y (n,) in each cell, `empty` where none are."""
+        mean = np.full(self.shape, empty)
+        looking_up.averaged(x, y, values, self.origin, self.cell_m, mean)
         return mean
 
     def rimmed(self, values: FloatArray, empty: float) -> FloatArray:

@@ -18,16 +18,16 @@ def deviation(values: FloatArray) -> float:
 def median(values: FloatArray) -> float:
     """The median of values (n,), n > 0, none of which is NaN: what numpy asks besides takes longer for a few."""
     middle = len(values) // 2
+    parted = np.partition(values, middle)
     if len(values) % 2 == 1:
-        return float(np.partition(values, middle)[middle])
-    below, above = np.partition(values, (middle - 1, middle))[middle - 1 : middle + 1].tolist()
-    return float(0.5 * (below + above))
+        return float(parted[middle])
+    return 0.5 * float(parted[:middle].max() + parted[middle])  # numpy takes six times as long for two places
 
 
 def quantile(values: FloatArray, share: float) -> float:
     """The value below which such a `share` of values (n,), n > 0, lies, in a straight line between the nearest two."""
     place = share * (len(values) - 1)
     low = int(place)
-    high = min(low + 1, len(values) - 1)
-    ends = np.partition(values, (low, high))
-    return float(ends[low] + (place - low) * (ends[high] - ends[low]))
+    parted = np.partition(values, low)
+    below = float(parted[low])
+    return below if place == low else below + (place - low) * (float(parted[low + 1 :].min()) - below)

@@ -1,4 +1,4 @@
-"""Names of a surface's pieces that spread over the cells between them."""
+"""Names of pieces, cell by cell: which of them hold something, and how they spread over the cells between them."""
 
 from __future__ import annotations
 
@@ -75,3 +75,48 @@ def _nearest(
         if abs(off) < least:
             least, nearest = abs(off), there
     return nearest
+
+
+def holding(
+    names: cython.const[cython.int][:, ::1],  # type: ignore[valid-type]
+    core: cython.const[cython.uchar][:, ::1],  # type: ignore[valid-type]
+    count: cython.Py_ssize_t,
+) -> NDArray[np.bool_]:
+    """Which cells (rows, columns) belong to pieces that hold some of the `core`, by `names` less than a count."""
+    row: cython.Py_ssize_t
+    column: cython.Py_ssize_t
+    holds: cython.uchar[::1] = np.zeros(count, dtype=np.uint8)
+    found = np.empty((names.shape[0], names.shape[1]), dtype=np.uint8)
+    kept: cython.uchar[:, ::1] = found
+    for row in range(names.shape[0]):
+        for column in range(names.shape[1]):
+            if core[row, column]:
+                holds[names[row, column]] = 1
+    for row in range(names.shape[0]):
+        for column in range(names.shape[1]):
+            kept[row, column] = holds[names[row, column]]
+    return found.view(np.bool_)
+
+
+def from_nearest(
+    values: cython.const[cython.double][:, ::1],  # type: ignore[valid-type]
+    nearest: cython.const[cython.int][:, ::1],  # type: ignore[valid-type]
+    empty: cython.const[cython.uchar][:, ::1],  # type: ignore[valid-type]
+) -> NDArray[np.float64]:
+    """The `values` (rows, columns) with that of the nearest cell in those that are `empty`.
+
+    `nearest` are numbers of the cells that are not, up to that of all cells, and those of the nearest ones in the rest.
+    """
+    row: cython.Py_ssize_t
+    column: cython.Py_ssize_t
+    value_of: cython.double[::1] = np.zeros(values.shape[0] * values.shape[1] + 1)
+    found = np.empty((values.shape[0], values.shape[1]))
+    filled: cython.double[:, ::1] = found
+    for row in range(values.shape[0]):
+        for column in range(values.shape[1]):
+            if not empty[row, column]:
+                value_of[nearest[row, column]] = values[row, column]
+    for row in range(values.shape[0]):
+        for column in range(values.shape[1]):
+            filled[row, column] = value_of[nearest[row, column]]
+    return found

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 import cython
 import numpy as np
 from numpy.typing import NDArray
+
+UNSEEN = cython.declare(cython.double, -math.inf)
 
 
 @cython.cfunc
@@ -95,3 +99,61 @@ def lowered(
 ) -> None:
     """Lower the `values` (rows, columns) of a raster to the lowest of the `levels` (n,) at places x and y (n,)."""
     _moved(values, x, y, levels, origin, cell_m, False)
+
+
+def averaged(
+    x: cython.const[cython.double][:],  # type: ignore[valid-type]
+    y: cython.const[cython.double][:],  # type: ignore[valid-type]
+    levels: cython.const[cython.double][:],  # type: ignore[valid-type]
+    origin: cython.double[::1],
+    cell_m: cython.double,
+    means: cython.double[:, ::1],
+) -> None:
+    """Write the means (rows, columns) of the `levels` (n,) at places x and y (n,) into cells of a raster that have any.
+
+    What the others hold stays.
+    """
+    place: cython.Py_ssize_t
+    row: cython.Py_ssize_t
+    column: cython.Py_ssize_t
+    count: cython.double[:, ::1] = np.zeros((means.shape[0], means.shape[1]))
+    total: cython.double[:, ::1] = np.zeros((means.shape[0], means.shape[1]))
+    for place in range(x.shape[0]):
+        row = _cell(x[place], origin[0], cell_m, means.shape[0])
+        column = _cell(y[place], origin[1], cell_m, means.shape[1])
+        count[row, column] += 1.0
+        total[row, column] += levels[place]
+    for row in range(means.shape[0]):
+        for column in range(means.shape[1]):
+            if count[row, column] > 0:
+                means[row, column] = total[row, column] / count[row, column]
+
+
+def filled(
+    heights: cython.double[:, ::1],
+    cell_m: cython.double,
+    corner: cython.const[cython.double][:],  # type: ignore[valid-type]
+    along: cython.const[cython.double][:, :],  # type: ignore[valid-type]
+    ground: cython.double[:, ::1],
+    origin: cython.double[::1],
+    ground_cell_m: cython.double,
+) -> None:
+    """Write into the `heights` (rows, columns) that are −∞ what each cell's axis meets of the `ground` (…, …).
+
+    That is heights over another plane, in cells of `ground_cell_m` from an `origin` (2,). In its frame the first cell's
+    middle is at the `corner` (3,), and rows go along the first, columns along the second of the axes `along` (3, 3).
+    """
+    row: cython.Py_ssize_t
+    column: cython.Py_ssize_t
+    for row in range(heights.shape[0]):
+        for column in range(heights.shape[1]):
+            if heights[row, column] != UNSEEN:
+                continue
+            down: cython.double = cell_m * row
+            right: cython.double = cell_m * column
+            x: cython.double = corner[0] + down * along[0, 0] + right * along[1, 0]
+            y: cython.double = corner[1] + down * along[0, 1] + right * along[1, 1]
+            way: cython.double = -(corner[2] + down * along[0, 2] + right * along[1, 2]) / along[2, 2]
+            there: cython.Py_ssize_t = _cell(x + way * along[2, 0], origin[0], ground_cell_m, ground.shape[0])
+            across: cython.Py_ssize_t = _cell(y + way * along[2, 1], origin[1], ground_cell_m, ground.shape[1])
+            heights[row, column] = way + ground[there, across] / along[2, 2]

@@ -1,4 +1,4 @@
-"""Random sample consensus: of many planes through three points each, the one that most points agree with."""
+"""Planes through points: the one that most agree with, and what lies near one."""
 
 from __future__ import annotations
 
@@ -9,6 +9,25 @@ from numpy.typing import NDArray
 
 IN_LINE_M2 = cython.declare(cython.double, 1e-12)
 """Twice the area of a triangle, square metres, below which its corners lie on a line."""
+
+
+def near_plane(
+    points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
+    normal: cython.const[cython.double][:],  # type: ignore[valid-type]
+    offset: cython.double,
+    distance: cython.double,
+) -> NDArray[np.float64]:
+    """Those of `points` (n, 3) that are nearer than a `distance` to a plane with a unit `normal` (3,) and an offset."""
+    row: cython.Py_ssize_t
+    found: cython.Py_ssize_t = 0
+    kept = np.empty((points.shape[0], 3))
+    point: cython.double[:, ::1] = kept
+    nx, ny, nz = normal[0], normal[1], normal[2]
+    for row in range(points.shape[0]):
+        if abs(nx * points[row, 0] + ny * points[row, 1] + nz * points[row, 2] - offset) < distance:
+            point[found, 0], point[found, 1], point[found, 2] = points[row, 0], points[row, 1], points[row, 2]
+            found += 1
+    return kept[:found]
 
 
 def consensus(

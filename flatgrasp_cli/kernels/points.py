@@ -9,6 +9,8 @@ import numpy as np
 from cython.cimports.libc.math import sqrt
 from numpy.typing import NDArray
 
+INFINITY = cython.declare(cython.double, math.inf)
+
 
 @cython.cfunc
 def _with(
@@ -28,15 +30,17 @@ def measured(
     scale: cython.double,
     farthest: cython.double,
     filled: cython.uchar[::1],
+    corners: cython.double[:, ::1],
 ) -> NDArray[np.float64]:
     """Points (k, 3) of n given as columns x, y and z (n,), times a `scale`: those that `not_measured` does not name.
 
-    Written is which of them that are, `filled` (n,).
+    Written is which of them that are, `filled` (n,), and the `corners` (2, 3) of the box around them.
     """
     row: cython.Py_ssize_t
     found: cython.Py_ssize_t = 0
     points = np.empty((x.shape[0], 3))
     point: cython.double[:, ::1] = points
+    low_x, low_y, low_z, high_x, high_y, high_z = INFINITY, INFINITY, INFINITY, -INFINITY, -INFINITY, -INFINITY
     for row in range(x.shape[0]):
         px: cython.double = scale * x[row]
         py: cython.double = scale * y[row]
@@ -45,6 +49,10 @@ def measured(
         if filled[row]:
             point[found, 0], point[found, 1], point[found, 2] = px, py, pz
             found += 1
+            low_x, low_y, low_z = min(low_x, px), min(low_y, py), min(low_z, pz)
+            high_x, high_y, high_z = max(high_x, px), max(high_y, py), max(high_z, pz)
+    corners[0, 0], corners[0, 1], corners[0, 2] = low_x, low_y, low_z
+    corners[1, 0], corners[1, 1], corners[1, 2] = high_x, high_y, high_z
     return points[:found]
 
 
@@ -60,18 +68,28 @@ def _was_measured(x: cython.double, y: cython.double, z: cython.double, farthest
 def not_measured(
     points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
     farthest: cython.double,
+    corners: cython.double[:, ::1],
 ) -> NDArray[np.intp]:
-    """Rows of `points` (n, 3) that are not finite, exactly 0 0 0, or have a coordinate beyond ±`farthest`."""
+    """Rows of `points` (n, 3) that are not finite, exactly 0 0 0, or have a coordinate beyond ±`farthest`.
+
+    Written are the `corners` (2, 3) of the box around the others.
+    """
     row: cython.Py_ssize_t
     found: cython.Py_ssize_t = 0
     lost: cython.Py_ssize_t[::1] = np.empty(0, dtype=np.intp)
+    low_x, low_y, low_z, high_x, high_y, high_z = INFINITY, INFINITY, INFINITY, -INFINITY, -INFINITY, -INFINITY
     for row in range(points.shape[0]):
         x: cython.double = points[row, 0]
         y: cython.double = points[row, 1]
         z: cython.double = points[row, 2]
-        if not _was_measured(x, y, z, farthest):
+        if _was_measured(x, y, z, farthest):
+            low_x, low_y, low_z = min(low_x, x), min(low_y, y), min(low_z, z)
+            high_x, high_y, high_z = max(high_x, x), max(high_y, y), max(high_z, z)
+        else:
             lost = _with(lost, found, row, points.shape[0])
             found += 1
+    corners[0, 0], corners[0, 1], corners[0, 2] = low_x, low_y, low_z
+    corners[1, 0], corners[1, 1], corners[1, 2] = high_x, high_y, high_z
     return np.asarray(lost[:found])
 
 
@@ -129,6 +147,36 @@ def near(
             close = _with(close, found, row, points.shape[0])
             found += 1
     return np.asarray(close[:found])
+
+
+def distances(
+    points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
+    place: cython.const[cython.double][:],  # type: ignore[valid-type]
+) -> NDArray[np.float64]:
+    """How far (n,) `points` (n, 3) lie from a `place` (3,)."""
+    row: cython.Py_ssize_t
+    found = np.empty(points.shape[0])
+    apart: cython.double[::1] = found
+    for row in range(points.shape[0]):
+        x: cython.double = points[row, 0] - place[0]
+        y: cython.double = points[row, 1] - place[1]
+        z: cython.double = points[row, 2] - place[2]
+        apart[row] = sqrt(x * x + y * y + z * z)
+    return found
+
+
+def apart(
+    points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
+    place: cython.const[cython.double][:],  # type: ignore[valid-type]
+) -> NDArray[np.float64]:
+    """The ways (n, 3) from a `place` (3,) to `points` (n, 3): numpy takes several times as long for rows so short."""
+    row: cython.Py_ssize_t
+    found = np.empty((points.shape[0], 3))
+    way: cython.double[:, ::1] = found
+    x, y, z = place[0], place[1], place[2]
+    for row in range(points.shape[0]):
+        way[row, 0], way[row, 1], way[row, 2] = points[row, 0] - x, points[row, 1] - y, points[row, 2] - z
+    return found
 
 
 def mean(points: cython.const[cython.double][:, :]) -> NDArray[np.float64]:  # type: ignore[valid-type]

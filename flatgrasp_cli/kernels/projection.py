@@ -36,20 +36,27 @@ def projected(
     return found
 
 
-def turned(
+def image(
     points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
-    origin: cython.const[cython.double][:],  # type: ignore[valid-type]
+    viewpoint: cython.const[cython.double][:],  # type: ignore[valid-type]
     axes: cython.const[cython.double][:, :],  # type: ignore[valid-type]
+    nearest: cython.double,
 ) -> NDArray[np.float64]:
-    """Columns (3, n) of `points` (n, 3) along the `axes` (3, 3), its rows, from an `origin` (3,)."""
+    """The same with depths along the line of sight in place of ranges (3, n), of `points` (n, 3).
+
+    What is not as deep as the `nearest`, or behind the viewpoint, is in the image as if it were so deep.
+    """
     point: cython.Py_ssize_t
     axis: cython.Py_ssize_t
     found = np.empty((3, points.shape[0]))
     columns: cython.double[:, ::1] = found
     for point in range(points.shape[0]):
-        x: cython.double = points[point, 0] - origin[0]
-        y: cython.double = points[point, 1] - origin[1]
-        z: cython.double = points[point, 2] - origin[2]
+        x: cython.double = points[point, 0] - viewpoint[0]
+        y: cython.double = points[point, 1] - viewpoint[1]
+        z: cython.double = points[point, 2] - viewpoint[2]
         for axis in range(3):
             columns[axis, point] = axes[axis, 0] * x + axes[axis, 1] * y + axes[axis, 2] * z
+        ahead: cython.double = max(columns[2, point], nearest)
+        columns[0, point] /= ahead
+        columns[1, point] /= ahead
     return found

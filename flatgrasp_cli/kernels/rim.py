@@ -1,4 +1,4 @@
-"""Points that may be corners of the convex hull: of many points in the plane a few, and hulls are made of those."""
+"""What may be corners of the convex hull: of many points in the plane, or cells of a mask, a few."""
 
 from __future__ import annotations
 
@@ -34,6 +34,25 @@ def on_rim(points: cython.const[cython.double][:, :]) -> NDArray[np.intp]:  # ty
                 break
     few: NDArray[np.intp] = rows[:found]
     return few
+
+
+def ends(mask: cython.const[cython.uchar][:, :]) -> NDArray[np.intp]:  # type: ignore[valid-type]
+    """The rows of a `mask` (rows, columns) that have cells, and the columns of the first and last of each (3, k)."""
+    row: cython.Py_ssize_t
+    found: cython.Py_ssize_t = 0
+    marked = np.empty((3, mask.shape[0]), dtype=np.intp)
+    end: cython.Py_ssize_t[:, ::1] = marked
+    for row in range(mask.shape[0]):
+        first: cython.Py_ssize_t = 0
+        last: cython.Py_ssize_t = mask.shape[1] - 1
+        while first <= last and not mask[row, first]:
+            first += 1
+        while first < last and not mask[row, last]:
+            last -= 1
+        if first <= last:
+            end[0, found], end[1, found], end[2, found] = row, first, last
+            found += 1
+    return marked[:, :found]
 
 
 @cython.cfunc

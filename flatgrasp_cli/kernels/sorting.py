@@ -31,7 +31,6 @@ def into_cells(
     summed: cython.double[::1] = total.reshape(-1)
     # numbers that no array holds: a compiler cannot know that writing to one does not change another
     low_x, low_y, size, lowest, highest = grid[0], grid[1], grid[2], limits[0], limits[1]
-    end_x, end_y, rim_x, rim_y = low_x + size * (rows - 1), low_y + size * (columns - 1), low_x + size, low_y + size
     xx, xy, xz, x0 = frame[0, 0], frame[0, 1], frame[0, 2], frame[0, 3]
     yx, yy, yz, y0 = frame[1, 0], frame[1, 1], frame[1, 2], frame[1, 3]
     zx, zy, zz, z0 = frame[2, 0], frame[2, 1], frame[2, 2], frame[2, 3]
@@ -40,12 +39,11 @@ def into_cells(
         py: cython.double = points[row, 1]
         pz: cython.double = points[row, 2]
         height: cython.double = px * zx + py * zy + pz * zz - z0
-        x: cython.double = px * xx + py * xy + pz * xz - x0
-        y: cython.double = px * yx + py * yy + pz * yz - y0
+        down: cython.double = (px * xx + py * xy + pz * xz - x0 - low_x) / size
+        right: cython.double = (px * yx + py * yy + pz * yz - y0 - low_y) / size
         place: cython.Py_ssize_t = 0
-        if rim_x <= x < end_x and rim_y <= y < end_y and height > lowest:
-            place = columns * cython.cast(cython.Py_ssize_t, (x - low_x) / size)
-            place += cython.cast(cython.Py_ssize_t, (y - low_y) / size)
+        if 1 <= down < rows - 1 and 1 <= right < columns - 1 and height > lowest:
+            place = columns * cython.cast(cython.Py_ssize_t, down) + cython.cast(cython.Py_ssize_t, right)
             counted[place] += 1
             summed[place] += min(height, highest)
         cell[row] = place

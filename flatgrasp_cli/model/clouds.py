@@ -10,6 +10,7 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.kernels.points import not_measured
+from flatgrasp_cli.model.measured import UNKNOWN, Measured
 
 LARGEST_COORDINATE_M = 1e4
 """What lies farther from the origin than 10 km was not measured by anything that looks at objects."""
@@ -157,7 +158,7 @@ class Cloud:
     pixels: ImageGrid | None = None
     """The image that the points are the pixels of, if they are those of one."""
     warnings: tuple[CloudWarning, ...] = ()
-    measured: FloatArray | None = field(default=None, repr=False)
+    measured: Measured = field(default=UNKNOWN, repr=False)
     """The `points` again, if all of them are known to have been measured: they are not looked through once more."""
 
     def __post_init__(self) -> None:
@@ -174,14 +175,19 @@ class Cloud:
         object.__setattr__(self, "points", points)
         if self.viewpoint is not None:
             object.__setattr__(self, "viewpoint", _place(self.viewpoint))
-        if points is self.measured:
+        if points is self.measured.points:
             return
-        lost = not_measured(points, LARGEST_COORDINATE_M)
+        corners = np.empty((2, 3))
+        lost = not_measured(points, LARGEST_COORDINATE_M, corners)
+        object.__setattr__(self, "measured", Measured(points, corners))
         if len(lost):
             rest = self.without(lost)
-            for name in ("points", "dropped", "colors", "pixels"):
+            for name in ("points", "dropped", "colors", "pixels", "measured"):
                 object.__setattr__(self, name, getattr(rest, name))
-        object.__setattr__(self, "measured", self.points)
+
+    def sample(self, size: int) -> FloatArray:
+        """An even sample (min(size, n), 3) of the points, which nobody may change."""
+        return self.measured.sample(size)
 
     @property
     def frame_name(self) -> str:
@@ -201,7 +207,7 @@ class Cloud:
         return replace(
             self,
             points=points,
-            measured=None if self.measured is None else points,
+            measured=Measured(points, self.measured.corners),
             colors=None if self.colors is None else self.colors.take(rows, axis=0),
             pixels=None if self.pixels is None else self.pixels.select(keep),
         )

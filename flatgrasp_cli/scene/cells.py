@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.kernels.sorting import into_cells, standing
@@ -77,11 +76,3 @@ def usual(count: IntArray) -> float:
     up_to = np.cumsum(np.bincount(count.ravel())[1:])
     middles = [(up_to[-1] - 1) // 2, up_to[-1] // 2]
     return float(1 + np.searchsorted(up_to, middles, side="right").mean())
-
-
-def smoothed(values: FloatArray, where: BoolArray | IntArray, cells: int) -> FloatArray:
-    """Mean of `values` over windows of `cells` × `cells`, weighted by `where`; 0 where a window has no weight."""
-    weight = where.astype(np.float32)  # the windows' sums are in double precision all the same
-    share = cv2.blur(weight, (cells, cells), borderType=cv2.BORDER_CONSTANT)
-    total = cv2.blur(weight * values.astype(np.float32), (cells, cells), borderType=cv2.BORDER_CONSTANT)
-    return np.where(share > 1e-6, total / np.maximum(share, 1e-6), 0.0).astype(np.float64)

@@ -13,12 +13,15 @@ from flatgrasp_cli.geometry.frames import Frame, frame_on_plane
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 from flatgrasp_cli.geometry.hull import depths
 from flatgrasp_cli.geometry.raster import Raster
-from flatgrasp_cli.geometry.sampling import even_sample, spread_indices
+from flatgrasp_cli.geometry.sampling import even_sample
 from flatgrasp_cli.geometry.scatter import deviation
-from flatgrasp_cli.model import Floor, SupportPlane
+from flatgrasp_cli.kernels.flood import holding
+from flatgrasp_cli.kernels.rim import ends
+from flatgrasp_cli.kernels.windows import means, of_cells
+from flatgrasp_cli.model import Cloud, Floor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
-from flatgrasp_cli.scene.cells import LEVEL_WINDOW_M, SMOOTH_CELLS, SortedPoints, fitting_cell_m, smoothed, usual
-from flatgrasp_cli.scene.masks import ends_of, hull_of, span_of
+from flatgrasp_cli.scene.cells import LEVEL_WINDOW_M, SMOOTH_CELLS, SortedPoints, fitting_cell_m, usual
+from flatgrasp_cli.scene.masks import hull_of, span_of
 from flatgrasp_cli.scene.strays import lonely
 from flatgrasp_cli.scene.support_plane import FINE_SAMPLE, GOOD_PART, NEAR_M, SIGMAS, flatness_m
 from flatgrasp_cli.surroundings.slices import MIN_POINTS
@@ -49,23 +52,26 @@ class Clusters:
     solid: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
 
 
-def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettings) -> Clusters | None:
-    """The objects among `points` (n, 3) on `plane`, largest first; None if no cell shows the plane itself."""
+def find_clusters(cloud: Cloud, plane: SupportPlane, settings: SceneSettings) -> Clusters | None:
+    """The objects of a cloud on `plane`, largest first; None if no cell shows the plane itself."""
     frame, flat_m = frame_on_plane(plane.normal, plane.offset_m), flatness_m(plane, settings)
     coarse_m = settings.least_part_m / SMOOTH_CELLS  # shadows and gaps are as wide as parts
-    raster = _raster(points, frame, flat_m, coarse_m)
+    raster, points = _raster(cloud, frame, flat_m, coarse_m), cloud.points
     # heights are cut off, lest a single flying point lift the mean of all cells around it
     found = SortedPoints.of(points, frame, raster, (-flat_m, settings.least_part_m))
-    own = found.total / np.maximum(found.count, 1)
+    own = of_cells(found.total, found.count)
     table = _broad((found.count > 0) & (np.abs(own) < flat_m), settings.least_part_m / found.raster.cell_m)
     if not table.any():
         return None
     standing = _standing(found, own, table, plane.noise_m, settings)
     labels = _labels(_bridged(standing, 0.5 * settings.min_size_m / raster.cell_m)) * standing
-    chosen = _objects(found, labels, table, settings)
+    above = np.flatnonzero(standing)
+    chosen = _objects(found, labels, above, table, settings)
 
     # from here on only the points in cells that stand out, which are few, without the plane's at an object's edge
-    rows, heights = found.standing(np.where(standing, np.minimum(flat_m, 0.5 * own), np.inf))
+    floor = np.full(standing.shape, np.inf)
+    floor.flat[above] = np.minimum(flat_m, 0.5 * own.take(above))
+    rows, heights = found.standing(floor)
     among = np.flatnonzero(~lonely(points.take(rows, axis=0), SMOOTH_CELLS * found.raster.cell_m))
     rows, heights = rows[among], heights[among]
     piece = labels.ravel()[found.cell[rows]]
@@ -78,15 +84,15 @@ def find_clusters(points: FloatArray, plane: SupportPlane, settings: SceneSettin
     )
 
 
-def _raster(points: FloatArray, frame: Frame, flat_m: float, coarse_m: float) -> Raster:
+def _raster(cloud: Cloud, frame: Frame, flat_m: float, coarse_m: float) -> Raster:
     """A raster of the plane and a margin around it, as far as there are points, laid out by an even sample of them."""
-    chosen = spread_indices(len(points), FINE_SAMPLE)
-    x, y, heights = frame.to_local(points.take(chosen, axis=0)).T
+    sample = cloud.sample(FINE_SAMPLE)
+    x, y, heights = frame.to_local(sample).T
     flat = np.abs(heights) < flat_m
     sides = [(x, x[flat]), (y, y[flat])]
     low = np.array([max(every_one.min(), own.min() - NEAR_M) for every_one, own in sides])
     high = np.array([min(every_one.max(), own.max() + NEAR_M) for every_one, own in sides])
-    return Raster.over(low, high, fitting_cell_m(x[flat], y[flat], coarse_m, len(points) / len(chosen)))
+    return Raster.over(low, high, fitting_cell_m(x[flat], y[flat], coarse_m, len(cloud.points) / len(sample)))
 
 
 def _floor(frame: Frame, found: SortedPoints, rows: IntArray, heights: FloatArray, width_m: float) -> Floor:
@@ -96,9 +102,8 @@ def _floor(frame: Frame, found: SortedPoints, rows: IntArray, heights: FloatArra
     not the plane's, at `heights`.
     """
     cell = found.cell[rows].astype(np.intp)
-    count = found.count - found.raster.count(cell)
-    mean = (found.total - found.raster.total(cell, heights)) / np.maximum(count, 1)
-    level = smoothed(mean, count, 2 * round(0.5 * width_m / found.raster.cell_m) + 1)
+    count, total = found.count - found.raster.count(cell), found.total - found.raster.total(cell, heights)
+    level = means(total, count, 2 * round(0.5 * width_m / found.raster.cell_m) + 1)
     levels = HeightMap(found.raster, np.where(count > 0, level, UNSEEN))
     return Floor(frame, levels, found.raster.cell_m / float(np.sqrt(usual(count))))
 
@@ -108,13 +113,17 @@ def _standing(
 ) -> BoolArray:
     """Which cells stand out of the plane, whose level ripples: by the mean of their surroundings and by their `own`."""
     window = 2 * round(0.5 * LEVEL_WINDOW_M / found.raster.cell_m) + 1
-    smooth = smoothed(own, found.count, SMOOTH_CELLS) - smoothed(own, table, window)
-    ripple = smooth[table]
-    scatter = deviation(even_sample(ripple, FINE_SAMPLE))
-    highest = scatter * np.sqrt(2 * np.log(len(ripple)))  # that noise alone makes of so many (Donoho & Johnstone 1994)
+    level = means(np.where(table, own, 0.0), table.astype(np.intp), window)
+    smooth = means(found.total, found.count, SMOOTH_CELLS) - level
+    of_table = np.flatnonzero(table)
+    scatter = deviation(smooth.take(even_sample(of_table, FINE_SAMPLE)))
+    # the highest that noise alone makes of so many (Donoho & Johnstone 1994)
+    highest = scatter * np.sqrt(2 * np.log(len(of_table)))
     threshold = max(settings.min_height_m, highest)
-    sure = SIGMAS * noise_m / np.sqrt(np.maximum(found.count, 1))
-    return np.asarray((found.count > 0) & (smooth > threshold) & (own > np.maximum(threshold, sure)))
+    standing: BoolArray = (smooth > threshold) & (own > threshold)
+    few = np.flatnonzero(standing)
+    standing.flat[few] = own.take(few) > SIGMAS * noise_m / np.sqrt(found.count.take(few))
+    return standing
 
 
 def _bridged(mask: BoolArray, gap_cells: float) -> ByteArray:
@@ -135,15 +144,18 @@ def _broad(mask: BoolArray, cells: float) -> BoolArray:
     """
     bridged = cv2.dilate(mask.view(np.uint8), np.ones((3, 3), np.uint8))
     width = 2 * round(0.5 * cells) + 1
-    labels = _labels(bridged)
-    core = cv2.erode(bridged, np.ones((width, width), np.uint8)) > 0
-    broad = np.bincount(labels[core], minlength=int(labels.max()) + 1) > 0
-    return np.asarray(broad.take(labels) & mask)
+    count, labels = cv2.connectedComponents(bridged, connectivity=8)
+    core = cv2.erode(bridged, np.ones((width, width), np.uint8))
+    return np.asarray(holding(labels, core, count) & mask)
 
 
-def _objects(found: SortedPoints, labels: IntArray, table: BoolArray, settings: SceneSettings) -> list[int]:
-    """Names of the clusters that are objects, largest first: large enough, and amid the plane."""
-    cell = np.flatnonzero(labels)
+def _objects(
+    found: SortedPoints, labels: IntArray, cell: IntArray, table: BoolArray, settings: SceneSettings
+) -> list[int]:
+    """Names of the clusters that are objects, largest first: large enough, and amid the plane.
+
+    `cell` (k,) are the flat indices of those with `labels` (rows, columns).
+    """
     row, column = np.divmod(cell, labels.shape[1])
     name_of = labels.ravel()[cell]
     cells = np.bincount(name_of)
@@ -175,7 +187,7 @@ def _outside_share(labels: IntArray, chosen: list[int], table: BoolArray) -> flo
     """Share of the plane's cells outside the objects' convex hulls: a hollow object's floor lies inside its own."""
     covered = np.zeros(table.shape, dtype=np.uint8)
     for name in chosen:
-        rows, first, last = ends_of(labels == name)
-        ends = np.column_stack([np.concatenate([first, last]), np.tile(rows, 2)])  # OpenCV's x is the column
-        cv2.fillConvexPoly(covered, cv2.convexHull(ends.astype(np.int32)), 1)
+        rows, first, last = ends((labels == name).view(np.uint8))
+        both = np.column_stack([np.concatenate([first, last]), np.tile(rows, 2)])  # OpenCV's x is the column
+        cv2.fillConvexPoly(covered, cv2.convexHull(both.astype(np.int32)), 1)
     return 1.0 - int(np.count_nonzero(table & (covered > 0))) / max(1, int(np.count_nonzero(table)))

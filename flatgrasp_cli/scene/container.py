@@ -11,6 +11,7 @@ from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntA
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.height_map import UNSEEN
 from flatgrasp_cli.geometry.raster import Raster
+from flatgrasp_cli.kernels.flood import from_nearest
 from flatgrasp_cli.model import Floor
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.support_plane import GOOD_PART
@@ -19,6 +20,8 @@ GAP_M = 0.04
 """Gaps that a sensor leaves in steep walls: these are as wide, at most, in real frames of bins."""
 LEAST_WIDE_M, LEAST_STATED_M = 0.25, 0.1
 """Least width of a pool in a container: plates and pans have up to 0.22 m; less where somebody says that it is one."""
+OUTSIDE = 2
+"""What cells hold that water runs out of; others hold 1 if they are low, and 0."""
 WALL_FOOT_M = 0.02
 """A finger finds no place between the wall and something so near to it."""
 
@@ -84,20 +87,21 @@ def find_container(points: FloatArray, floor: Floor, settings: SceneSettings) ->
     if len(points) == 0 or min(np.ptp(x), np.ptp(y)) < least_m:
         return None
     raster = floor.levels.raster
-    means = raster.rimmed(raster.mean(raster.cells(x, y), height, UNSEEN), UNSEEN)
+    means = raster.rimmed(raster.mean(x, y, height, UNSEEN), UNSEEN)
     filled = _filled(np.where(means > UNSEEN, means, floor.levels.heights))
-    level, highest = settings.min_size_m, float(filled.max())
-    while level < highest:
+    level, highest = 0.5 * settings.min_size_m, float(filled.max())
+    while (level := 2 * level) < highest:
         outside, pools = _poured(~_closed(filled >= level, GAP_M / raster.cell_m))
+        if not pools.any():
+            continue
         # a container is the ground that no water from outside reaches, walls and things and pools alike
-        grounds = _connected(~outside, 8)
+        grounds = _connected(~outside)
         for ground in np.flatnonzero(np.bincount(grounds[pools])).tolist():
             pool = pools & (grounds == ground)
             inside = _rectangle(pool, least_m / raster.cell_m)
             if inside is not None and np.count_nonzero(pool) >= GOOD_PART * np.count_nonzero(inside):
                 rim_m = float(np.median(filled[(grounds == ground) & ~inside & (filled >= level)]))
                 return _container(floor, grounds == ground, inside, rim_m, settings.min_size_m)
-        level *= 2
     return None
 
 
@@ -119,26 +123,24 @@ def _filled(heights: FloatArray) -> FloatArray:
     """`heights` (rows, columns) with that of the nearest seen cell in all that were not seen."""
     unseen = (heights == UNSEEN).view(np.uint8)
     _, nearest = cv2.distanceTransformWithLabels(unseen, cv2.DIST_L2, cv2.DIST_MASK_5, labelType=cv2.DIST_LABEL_PIXEL)
-    height_of = np.zeros(int(nearest.max()) + 1)
-    height_of[nearest[unseen == 0]] = heights[unseen == 0]
-    return np.asarray(height_of[nearest])
+    found: FloatArray = from_nearest(heights, nearest, unseen)
+    return found
 
 
 def _closed(walls: BoolArray, gap: float) -> BoolArray:
     """Walls (rows, columns) without gaps that are no more than so many cells wide."""
     width = 2 * round(0.5 * gap) + 1
-    padded = np.pad(walls.view(np.uint8), width)
+    padded = cv2.copyMakeBorder(walls.view(np.uint8), width, width, width, width, cv2.BORDER_CONSTANT, value=[0])
     closed = cv2.morphologyEx(padded, cv2.MORPH_CLOSE, np.ones((width, width), np.uint8))
     return np.asarray(closed[width:-width, width:-width] > 0)
 
 
 def _poured(low: BoolArray) -> tuple[BoolArray, BoolArray]:
     """The cells (rows, columns) under water that runs out over the edge, and those under water that stands."""
-    pools = _connected(low, 4)
-    edge = np.concatenate([pools[0], pools[-1], pools[:, 0], pools[:, -1]])
-    runs_out = np.bincount(edge, minlength=int(pools.max()) + 1) > 0
-    outside = low & runs_out[pools]
-    return np.asarray(outside), np.asarray(low & ~outside)
+    around = cv2.copyMakeBorder(low.view(np.uint8), 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=[1])
+    cv2.floodFill(around, None, (0, 0), [OUTSIDE], flags=4)  # which takes a third of the time of naming all pools
+    inner = around[1:-1, 1:-1]
+    return np.asarray(inner == OUTSIDE), np.asarray(inner == 1)
 
 
 def _shrunk(mask: BoolArray, cells: float) -> BoolArray:
@@ -147,9 +149,9 @@ def _shrunk(mask: BoolArray, cells: float) -> BoolArray:
     return np.asarray(cv2.erode(mask.view(np.uint8), np.ones((width, width), np.uint8)) > 0)
 
 
-def _connected(mask: BoolArray, connectivity: int) -> IntArray:
+def _connected(mask: BoolArray) -> IntArray:
     """Names (rows, columns) from 1 of the connected pieces of a mask."""
-    return np.asarray(cv2.connectedComponents(mask.view(np.uint8), connectivity=connectivity)[1], dtype=np.intp)
+    return np.asarray(cv2.connectedComponents(mask.view(np.uint8), connectivity=8)[1], dtype=np.intp)
 
 
 def _rectangle(pool: BoolArray, least: float) -> BoolArray | None:

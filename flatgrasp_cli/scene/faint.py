@@ -8,9 +8,9 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.geometry.extents import mean_of
-from flatgrasp_cli.geometry.sampling import even_sample
 from flatgrasp_cli.geometry.scatter import median, quantile
-from flatgrasp_cli.model import SupportPlane
+from flatgrasp_cli.kernels.points import distances
+from flatgrasp_cli.model import Cloud, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.clusters import Clusters
 from flatgrasp_cli.scene.parting.joints import MOST
@@ -23,16 +23,16 @@ half of such a window shows for one surface. Most of a ripple beside the edge of
 
 
 def without_faint(
-    points: FloatArray, clusters: Clusters, plane: SupportPlane, viewpoint: FloatArray, settings: SceneSettings
+    cloud: Cloud, clusters: Clusters, plane: SupportPlane, viewpoint: FloatArray, settings: SceneSettings
 ) -> Clusters:
-    """The clusters of `points` (n, 3) without those that may be noise, which are clutter.
+    """The clusters of a cloud without those that may be noise, which are clutter.
 
     The noise of depth from disparity grows with the square of the distance from `viewpoint` (3,) (Khoshelham & Elberink
     2012); the plane's own is that at its middle distance.
     """
-    sample = even_sample(points, SAMPLE)
+    sample, points = cloud.sample(SAMPLE), cloud.points
     flat = sample[np.abs(plane.heights(sample)) < flatness_m(plane, settings)]
-    usual_m = median(np.linalg.norm((flat if len(flat) else sample) - viewpoint, axis=1))
+    usual_m = median(distances(flat if len(flat) else sample, viewpoint))
     reach = WINDOW_PX * clusters.floor.spacing_m / usual_m
 
     def is_faint(own: FloatArray) -> bool:

@@ -118,9 +118,10 @@ class Heap:
 
         def footprint(piece: Piece) -> int:
             x, y, _ = floor.frame.to_local(self.points[piece[0]]).T
-            return int(np.count_nonzero(floor.levels.raster.count(floor.levels.raster.cells(x, y))))
+            return len(np.unique(floor.levels.raster.cells(x, y)))
 
-        objects = sorted(objects, key=footprint, reverse=True)
+        if len(objects) > 1:
+            objects = sorted(objects, key=footprint, reverse=True)
         return {"members": tuple(rows for rows, _ in objects), "groups": tuple(group for _, group in objects)}
 
     def _rest(self, *taken: IntArray) -> IntArray:

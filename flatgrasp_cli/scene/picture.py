@@ -27,18 +27,17 @@ def cut_off(cloud: Cloud, viewpoint: FloatArray, members: tuple[IntArray, ...], 
 
     Without an image the picture is the smallest rectangle around the cloud, whose points lie `spacing_m` apart.
     """
-    sample, rows = (
-        spread_indices(len(cloud.points), FINE_SAMPLE),
-        np.concatenate([*members, np.empty(0, dtype=np.intp)]),
-    )
+    rows = np.concatenate([*members, np.empty(0, dtype=np.intp)])
     if cloud.pixels is not None:
         width = cloud.pixels.shape[1]
         pixel = np.flatnonzero(cloud.pixels.filled)
-        picture, own = (np.column_stack(np.divmod(pixel[chosen], width))[:, ::-1] for chosen in (sample, rows))
+        chosen = spread_indices(len(pixel), FINE_SAMPLE)
+        picture, own = (np.column_stack(np.divmod(pixel[some], width))[:, ::-1] for some in (chosen, rows))
         size = np.array(cloud.pixels.shape[::-1], dtype=np.float64)
         limits = (1 - MOST) * size, MOST * size  # stereo cameras leave up to 0.06 of it empty at a side
     else:
-        x, y, depth = image_of(cloud.points.take(np.concatenate([sample, rows]), axis=0), viewpoint)
+        sample = cloud.sample(FINE_SAMPLE)
+        x, y, depth = image_of(np.concatenate([sample, cloud.points.take(rows, axis=0)]), viewpoint)
         both = np.column_stack([x, y]) * (median(depth) / spacing_m)
         _, _, turn = cv2.minAreaRect(both[on_rim(both[: len(sample)])].astype(np.float32))
         c, s = np.cos(np.radians(turn)), np.sin(np.radians(turn))
@@ -72,11 +71,14 @@ def _at_edge(picture: FloatArray, own: FloatArray, limits: tuple[FloatArray, Flo
     found = np.zeros(len(own), dtype=np.bool_)
     for axis in (0, 1):
         for end, is_side in ((low[axis], low[axis] <= limits[0][axis]), (high[axis], high[axis] >= limits[1][axis])):
+            there = _near(own[:, axis], end)
+            if not is_side or not there.any():
+                continue
             along = picture[_near(picture[:, axis], end), 1 - axis] - low[1 - axis]
             stretch = np.floor(along / (high - low + 1)[1 - axis] * SECTORS)
             held = np.bincount(stretch.astype(np.intp), minlength=SECTORS)
-            if is_side and 2 * np.count_nonzero(held) >= SECTORS:
-                found |= _near(own[:, axis], end)
+            if 2 * np.count_nonzero(held) >= SECTORS:
+                found |= there
     return found
 
 

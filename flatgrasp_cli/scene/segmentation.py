@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.geometry.sampling import even_sample
 from flatgrasp_cli.model import Cloud, ObjectCloud, Scene, Sensor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 from flatgrasp_cli.scene.clusters import find_clusters
@@ -35,27 +34,23 @@ def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
     """
     cloud = cropped(cloud, settings.crop)
     sensor = cloud.sensor or Sensor("assumed", np.zeros(3))
-    reason = _too_large(cloud.points)
+    reason = _too_large(cloud)
     if reason is not None:
         return Scene(None, (), cloud.points, reason)
     if settings.mode == "object" or len(cloud.points) < 3:
         return _alone(cloud.points, sensor, settings)
-    plane = find_support_plane(cloud.points, sensor, settings, seed)
-    clusters = find_clusters(cloud.points, plane, settings) if plane is not None else None
+    plane = find_support_plane(cloud, sensor, settings, seed)
+    clusters = find_clusters(cloud, plane, settings) if plane is not None else None
     if plane is None or clusters is None:
         if settings.mode == "auto":
             return _alone(cloud.points, sensor, settings)
         return Scene(None, (), cloud.points, NO_PLANE)
     viewpoint = overlook(cloud.points, sensor, plane)
-    clusters = without_faint(cloud.points, clusters, plane, viewpoint, settings)
+    clusters = without_faint(cloud, clusters, plane, viewpoint, settings)
     heap = Heap(cloud.points, clusters, plane, viewpoint, settings=settings, colors=cloud.colors)
     container = heap.container()
     small = clusters.extent_m <= settings.max_size_m and container is None
-    if (
-        settings.mode == "auto"
-        and small
-        and (not clusters.lie_on_table or _goes_on_below(cloud.points, plane, settings))
-    ):
+    if settings.mode == "auto" and small and (not clusters.lie_on_table or _goes_on_below(cloud, plane, settings)):
         return _alone(cloud.points, sensor, settings)
     clusters = heap.apart(container)
     objects, wholes = objects_of(cloud, sensor, plane, clusters, settings)
@@ -69,11 +64,11 @@ def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
     )
 
 
-def _too_large(points: FloatArray) -> str | None:
+def _too_large(cloud: Cloud) -> str | None:
     """Why a cloud, apart from stray points, is no view of objects; None if it may be one."""
-    if len(points) == 0:
+    if len(cloud.points) == 0 or float(np.ptp(cloud.measured.corners, axis=0).max()) <= LARGEST_EXTENT_M:
         return None
-    sample = even_sample(points, SAMPLE)
+    sample = cloud.sample(SAMPLE)
     strays = int(TAIL_SHARE * len(sample))
     low, high = np.sort(sample, axis=0)[[strays, -1 - strays]]
     x, y, z = (high - low).tolist()
@@ -82,9 +77,9 @@ def _too_large(points: FloatArray) -> str | None:
     return f"the cloud is {x:.0f} × {y:.0f} × {z:.0f} m, no view of objects for a gripper"
 
 
-def _goes_on_below(points: FloatArray, plane: SupportPlane, settings: SceneSettings) -> bool:
+def _goes_on_below(cloud: Cloud, plane: SupportPlane, settings: SceneSettings) -> bool:
     """Whether much lies close below a plane, as a body's flanks do below its front."""
-    heights, flat_m = plane.heights(even_sample(points, SAMPLE)), flatness_m(plane, settings)
+    heights, flat_m = plane.heights(cloud.sample(SAMPLE)), flatness_m(plane, settings)
     on = np.abs(heights) < flat_m
     below = (heights < -max(flat_m, RIPPLE_M)) & (heights > -NEAR_M)
     return bool(below.sum() > BELOW_SHARE * on.sum())

@@ -7,7 +7,7 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
 from flatgrasp_cli.geometry.extents import bounds_of
 from flatgrasp_cli.geometry.raster import MAX_CELLS
-from flatgrasp_cli.geometry.sampling import GOLDEN, even_sample
+from flatgrasp_cli.geometry.sampling import GOLDEN
 from flatgrasp_cli.kernels import points as kernels
 from flatgrasp_cli.model import Cloud
 from flatgrasp_cli.scene.support_plane import FINE_SAMPLE, REACH_M
@@ -26,13 +26,26 @@ def without_far_strays(cloud: Cloud) -> Cloud:
     """
     if len(cloud.points) == 0:
         return cloud
-    sample = even_sample(cloud.points, FINE_SAMPLE)
-    tail = int(TAIL_SHARE * len(sample))
-    ends = np.partition(sample, [tail, len(sample) - 1 - tail], axis=0)
-    low, high = ends[tail], ends[len(sample) - 1 - tail]
+    columns = cloud.sample(FINE_SAMPLE).T
+    tail = int(TAIL_SHARE * columns.shape[1])
+    if _reaches_all(columns, tail, cloud.measured.corners):
+        return cloud
+    last = columns.shape[1] - 1 - tail
+    low, high = (np.partition(columns, end, axis=1)[:, end] for end in (tail, last))
     margin = max(REACH_M, float(np.linalg.norm(high - low)))
     outside = kernels.outside(cloud.points, low - margin, high + margin)
     return cloud.without(outside) if len(outside) else cloud
+
+
+def _reaches_all(columns: FloatArray, tail: int, corners: FloatArray) -> bool:
+    """Whether more than a `tail` of a sample, columns (3, n), are within a metre of each side of the box around all.
+
+    Then the bulk begins within a metre of it, and no point lies farther out.
+    """
+    return all(
+        np.count_nonzero(own <= low + REACH_M) > tail < np.count_nonzero(own >= high - REACH_M)
+        for own, low, high in zip(columns, *corners.tolist(), strict=True)
+    )
 
 
 def without_repeats(cloud: Cloud) -> Cloud:
@@ -41,7 +54,7 @@ def without_repeats(cloud: Cloud) -> Cloud:
     No sensor measures the same place repeatedly to the last digit. Such points are invalid ones, moved to the sensor's
     place or another by a transform, or copies that pad a cloud to a fixed length.
     """
-    sample = even_sample(cloud.points, FINE_SAMPLE)
+    sample = cloud.sample(FINE_SAMPLE)
     x, y, z = sample.T
     mixed = (x + GOLDEN * (y + GOLDEN * z)).astype(np.float32)  # the same for the same place, and hardly for another
     along = np.sort(mixed)

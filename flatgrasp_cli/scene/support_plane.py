@@ -9,9 +9,10 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.planes import consensus_plane, least_squares_plane
-from flatgrasp_cli.geometry.sampling import even_sample
 from flatgrasp_cli.geometry.scatter import deviation, median
-from flatgrasp_cli.model import Sensor, SupportPlane
+from flatgrasp_cli.kernels.planes import near_plane
+from flatgrasp_cli.kernels.points import distances
+from flatgrasp_cli.model import Cloud, Sensor, SupportPlane
 from flatgrasp_cli.profiles.settings import SceneSettings
 
 SAMPLE = 2000
@@ -46,13 +47,13 @@ class _Fit(NamedTuple):
     share: float
 
 
-def find_support_plane(points: FloatArray, sensor: Sensor, settings: SceneSettings, seed: int) -> SupportPlane | None:
-    """The plane of `points` (n, 3) that objects could stand on; None when no plane has enough of the points.
+def find_support_plane(cloud: Cloud, sensor: Sensor, settings: SceneSettings, seed: int) -> SupportPlane | None:
+    """The plane of a cloud that objects could stand on; None when no plane has enough of the points.
 
     It is the largest plane that `settings.up` (3,) is normal to or, without that, the largest one that faces the
     `sensor`. Of planes on top of each other it is the one nearer to the sensor, unless that is small.
     """
-    sample = even_sample(points, SAMPLE)
+    sample = cloud.sample(SAMPLE)
     planes = [fit for fit in _planes(sample, sensor, settings, seed) if fit.share >= settings.min_plane_share]
     fits = [fit for fit in planes if _faces(fit, sample, sensor, settings)]
     if not fits and settings.up is None and float(np.ptp(sample, axis=0).max()) > settings.max_size_m:
@@ -64,7 +65,7 @@ def find_support_plane(points: FloatArray, sensor: Sensor, settings: SceneSettin
     stacked = [fit for fit in fits if fit.normal @ biggest.normal > np.cos(np.radians(settings.max_tilt_deg))]
     stacked = [fit for fit in stacked if fit.share > GOOD_PART * biggest.share]
     nearest = max(stacked, key=lambda fit: fit.offset)
-    points = even_sample(points, FINE_SAMPLE)
+    points = cloud.sample(FINE_SAMPLE)
     tolerance = median(_tolerance(points, sensor))
     first = _fitted(points, nearest.normal, nearest.offset, tolerance)
     return _fitted(points, first.normal, first.offset_m, min(tolerance, flatness_m(first, settings)))
@@ -127,19 +128,17 @@ def _tolerance(points: FloatArray, sensor: Sensor) -> FloatArray:
     """How far (n,) from a plane points (n, 3) may lie to agree with it, metres."""
     if sensor.position is None:
         return np.full(len(points), TOLERANCE_SHARE * REACH_M)
-    apart = points - sensor.position
-    distance = np.sqrt(np.einsum("ij,ij->i", apart, apart))
-    return np.asarray(TOLERANCE_SHARE * distance)
+    return np.asarray(TOLERANCE_SHARE * distances(points, sensor.position))
 
 
 def _fitted(points: FloatArray, normal: FloatArray, offset: float, tolerance: float) -> SupportPlane:
     """Least squares on those of `points` (n, 3) that lie within a tolerance of a plane, and their scatter."""
-    inliers = points.take(np.flatnonzero(np.abs(points @ normal - offset) < tolerance), axis=0)
+    inliers = near_plane(points, normal, offset, tolerance)
     refined, _ = least_squares_plane(inliers)
     normal = refined if refined @ normal > 0 else -refined
     offset = median(inliers @ normal)
-    scatter = np.abs(points @ normal - offset)
-    return SupportPlane(normal, offset, deviation(scatter[scatter < tolerance]))
+    own = near_plane(points, normal, offset, tolerance)
+    return SupportPlane(normal, offset, deviation(own @ normal - offset))
 
 
 def _oriented(

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.geometry.frames import axes_about
 from flatgrasp_cli.kernels.points import near
 from flatgrasp_cli.model import SENSOR_FROM_TF, UP_UNTOLD, Cloud, CloudWarning, Sensor
@@ -48,7 +48,7 @@ def located(cloud: Cloud, up: tuple[float, float, float] | None, seed: int) -> C
     if sensor is None and len(cloud.points) < LEAST_POINTS:  # which nothing can be grasped of
         sensor = Sensor("assumed", np.zeros(3)) if cloud.viewpoint is None else Sensor("viewpoint", cloud.viewpoint)
     elif sensor is None:
-        invalid = near(cloud.points, np.zeros(3), NEAREST_M)  # if a camera at the origin it is
+        invalid = _at(np.zeros(3), cloud)  # if a camera at the origin it is
         some = 0 < len(invalid) <= len(cloud.points) - LEAST_POINTS
         points = np.delete(cloud.points, invalid, axis=0) if some else cloud.points
         sensor, warnings = _found(cloud, upward, Surface.of(points, rng))
@@ -187,5 +187,13 @@ def _without_sensor_itself(cloud: Cloud) -> Cloud:
     position = None if cloud.sensor is None else cloud.sensor.position
     if position is None:
         return cloud
-    lost = near(cloud.points, position, NEAREST_M)
+    lost = _at(position, cloud)
     return cloud.without(lost) if len(lost) else cloud
+
+
+def _at(place: FloatArray, cloud: Cloud) -> IntArray:
+    """Rows (k,) of a cloud's points that lie at a place (3,); none do if that is outside of the box around them."""
+    low, high = cloud.measured.corners
+    if (place < low - NEAREST_M).any() or (place > high + NEAREST_M).any():
+        return np.empty(0, dtype=np.intp)
+    return near(cloud.points, place, NEAREST_M)

@@ -21,6 +21,8 @@ from flatgrasp_cli.geometry.planes import consensus_plane
 from flatgrasp_cli.geometry.polygon import signed_area
 from flatgrasp_cli.geometry.range_image import RangeImage
 from flatgrasp_cli.geometry.sampling import even_sample
+from flatgrasp_cli.geometry.scatter import median
+from flatgrasp_cli.kernels.points import distances
 
 Verdict = Literal["seen", "flat", "hollow", "impossible"]
 """Whether a cloud can have been seen from a place.
@@ -229,10 +231,10 @@ def _consistent_signs(
 
 def _hidden_share(points: FloatArray, place: FloatArray) -> float:
     """Share of `points` (n, 3) that lie behind others, seen from `place` (3,)."""
-    apart = np.linalg.norm(points - place, axis=1)
+    apart = distances(points, place)
     sides = np.sort(extent_of(points))
     spacing_m = max(float(np.sqrt(PIXEL_POINTS * sides[1] * sides[2] / len(points))), 1e-6)
-    if float(np.median(apart)) < spacing_m:
+    if median(apart) < spacing_m:
         return 1.0
     nearest, ranges = RangeImage.of(points, place, spacing_m).nearest(points.T)
     return float(np.mean(nearest < ranges - BEHIND_PIXELS * spacing_m))

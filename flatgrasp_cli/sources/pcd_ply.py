@@ -18,6 +18,7 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.kernels.points import measured
 from flatgrasp_cli.model import Cloud, CloudWarning, ImageGrid, Source
 from flatgrasp_cli.model.clouds import LARGEST_COORDINATE_M
+from flatgrasp_cli.model.measured import Measured
 from flatgrasp_cli.sources.ascii_rows import more_rows, read_columns
 from flatgrasp_cli.sources.pcd_header import PcdHeader, check_pcd_data, read_pcd_header
 from flatgrasp_cli.sources.ply_elements import Column, read_element
@@ -171,10 +172,11 @@ def _goes_on(file: BinaryIO, header: PlyHeader) -> bool:
 def _cloud(columns: Sequence[FloatArray] | FloatArray, name: str, shape: tuple[int, int], scale: float) -> Cloud:
     """The cloud of points given as columns x, y and z, of any type; `shape` is height and width."""
     x, y, z = _numbers(columns)
-    filled = np.empty(len(x), dtype=np.bool_)
-    points = measured(x, y, z, scale, LARGEST_COORDINATE_M, filled.view(np.uint8))
+    filled, corners = np.empty(len(x), dtype=np.bool_), np.empty((2, 3))
+    points = measured(x, y, z, scale, LARGEST_COORDINATE_M, filled.view(np.uint8), corners)
     pixels = ImageGrid(shape, filled) if min(shape) > 1 else None
-    return Cloud(points, source=Source(name), dropped=len(x) - len(points), pixels=pixels, measured=points)
+    dropped, known = len(x) - len(points), Measured(points, corners)
+    return Cloud(points, source=Source(name), dropped=dropped, pixels=pixels, measured=known)
 
 
 def _numbers(columns: Sequence[FloatArray] | FloatArray) -> Sequence[FloatArray]:

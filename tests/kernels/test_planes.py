@@ -37,3 +37,11 @@ def test_it_is_the_one_that_most_agree_with(seed: int, flat: int) -> None:
 def test_points_in_line_make_none() -> None:
     points = np.arange(5.0)[:, None] * np.array([1.0, 2.0, 3.0])
     assert len(planes.consensus(points, np.array([[0, 1, 2], [4, 4, 1]]), np.full(5, 0.1))) == 0
+
+
+@given(seed=st.integers(0, 999))
+def test_so_is_what_lies_near_one(seed: int) -> None:
+    points, normal = np.random.default_rng(seed).uniform(-1, 1, (40, 3)), np.array([0.6, 0.0, 0.8])
+    own = planes.near_plane(points, normal, 0.1, 0.4)
+    assert np.array_equal(own, points[np.abs(points @ normal - 0.1) < 0.4])
+    assert np.array_equal(own, interpreted("planes").near_plane(points, normal, 0.1, 0.4))

@@ -26,7 +26,9 @@ def cloud(seed: int) -> FloatArray:
 def test_they_are_those_of_the_definitions(seed: int) -> None:
     some, low, high = cloud(seed), np.array([-0.8, -0.7, -0.6]), np.array([0.9, 0.8, 0.7])
     lost = ~np.isfinite(some).all(axis=1) | (np.abs(some) > 1e4).any(axis=1) | ~some.any(axis=1)
-    assert points.not_measured(some, 1e4).tolist() == np.flatnonzero(lost).tolist()
+    corners = np.empty((2, 3))
+    assert points.not_measured(some, 1e4, corners).tolist() == np.flatnonzero(lost).tolist()
+    assert np.array_equal(corners, [some[~lost].min(axis=0), some[~lost].max(axis=0)])
     beyond = ~((some >= low) & (some <= high)).all(axis=1)
     assert points.outside(some, low, high).tolist() == np.flatnonzero(beyond).tolist()
     with np.errstate(invalid="ignore"):
@@ -35,9 +37,10 @@ def test_they_are_those_of_the_definitions(seed: int) -> None:
     filled = np.empty(len(some), dtype=np.bool_)
     for kind in (np.float64, np.float32):
         x, y, z = columns = np.asarray(0.5 * some, dtype=kind).T
-        kept = points.measured(x, y, z, 2.0, 1e4, filled.view(np.uint8))
+        kept = points.measured(x, y, z, 2.0, 1e4, filled.view(np.uint8), corners)
         assert filled.tolist() == (~lost).tolist()
         assert np.array_equal(kept, 2.0 * columns.T[~lost].astype(np.float64))
+        assert np.array_equal(corners, [kept.min(axis=0), kept.max(axis=0)])
     inside = ((some > low) & (some < high)).all(axis=1)
     assert points.between(some, low, high).tolist() == np.flatnonzero(inside).tolist()
     good = np.nan_to_num(some, nan=0.1, posinf=0.2, neginf=-0.2)
@@ -50,21 +53,30 @@ def test_they_are_those_of_the_definitions(seed: int) -> None:
 def test_compiled_and_as_written_they_are_the_same(seed: int) -> None:
     some, twin = cloud(seed), interpreted("points")
     low, high = np.array([-0.8, -0.7, -0.6]), np.array([0.9, 0.8, 0.7])
-    assert np.array_equal(points.not_measured(some, 1e4), twin.not_measured(some, 1e4))
+    box, same = np.empty((2, 2, 3))
+    assert np.array_equal(points.not_measured(some, 1e4, box), twin.not_measured(some, 1e4, same))
+    assert np.array_equal(box, same)
     filled, again = np.empty((2, len(some)), dtype=np.uint8)
     x, y, z = some.T
-    kept = points.measured(x, y, z, 1.0, 1e4, filled), twin.measured(x, y, z, 1.0, 1e4, again)
+    kept = points.measured(x, y, z, 1.0, 1e4, filled, box), twin.measured(x, y, z, 1.0, 1e4, again, same)
     assert np.array_equal(*kept)
     assert np.array_equal(filled, again)
+    assert np.array_equal(box, same)
     assert np.array_equal(points.outside(some, low, high), twin.outside(some, low, high))
     assert np.array_equal(points.near(some, low, 0.9), twin.near(some, low, 0.9))
     assert np.array_equal(points.between(some, low, high), twin.between(some, low, high))
     good = np.nan_to_num(some, nan=0.1, posinf=0.2, neginf=-0.2)
     assert np.array_equal(points.mean(good), twin.mean(good))
     assert np.array_equal(points.bounds(good), twin.bounds(good))
+    assert np.array_equal(points.apart(good, low), good - low)
+    assert np.array_equal(points.apart(good, low), twin.apart(good, low))
+    assert np.array_equal(points.distances(good, low), twin.distances(good, low))
+    assert points.distances(good, low) == pytest.approx(np.linalg.norm(good - low, axis=1))
 
 
 def test_nobody_has_to_own_the_points() -> None:
     some = np.asfortranarray(cloud(1))
     some.flags.writeable = False
-    assert np.array_equal(points.not_measured(some, 1e4), points.not_measured(some.copy(), 1e4))
+    box, same = np.empty((2, 2, 3))
+    assert np.array_equal(points.not_measured(some, 1e4, box), points.not_measured(some.copy(), 1e4, same))
+    assert np.array_equal(box, same)

@@ -28,3 +28,12 @@ def test_most_points_of_a_square_are() -> None:
 @pytest.mark.parametrize("points", [[[1.0, 2.0]] * 3, [[0.0, 0.0], [1.0, 1.0], [0.5, 0.5]], [[0.0, 0.0], [0.0, 2.0]]])
 def test_points_in_line_or_in_one_place_stay(points: list[list[float]]) -> None:
     assert rim.on_rim(np.array(points)).tolist() == list(range(len(points)))
+
+
+@given(seed=st.integers(0, 999), share=st.sampled_from([0.0, 0.1, 0.5]))
+def test_ends_of_a_masks_rows(seed: int, share: float) -> None:
+    mask = np.random.default_rng(seed).random((9, 7)) < share
+    found = rim.ends(mask.view(np.uint8))
+    assert np.array_equal(found, interpreted("rim").ends(mask.view(np.uint8)))
+    marked = [(row, *np.flatnonzero(cells)[[0, -1]]) for row, cells in enumerate(mask) if cells.any()]
+    assert found.T.tolist() == [list(map(int, each)) for each in marked]

@@ -47,3 +47,13 @@ def test_the_highest_is_seen_from_above(seed: int) -> None:
     order = np.argsort(heights, kind="stable")  # the highest is written last
     owner[cell[order]], highest[cell[order]] = names[order], heights[order]
     assert np.array_equal(found[0], np.stack([owner, highest]))
+
+
+@given(low=st.floats(-1, 1), size=st.floats(0.001, 0.1))
+def test_places_on_the_edge_of_the_rim_are_not_in_it(low: float, size: float) -> None:
+    """However they are rounded: they are in the raster or not, but no cell of the rim holds any."""
+    edges = np.array([low + size, low + 5 * size])
+    points, planes = np.column_stack([edges, edges, np.ones(2)]), np.eye(3, 4)
+    cell, shape = np.empty(2, dtype=np.int32), np.array([6, 6])
+    count, _ = sorting.into_cells(points, planes, np.array([low, low, size]), shape, np.array([0.0, 2.0]), cell)
+    assert count.sum() == count[1:-1, 1:-1].sum() == np.count_nonzero(cell)

@@ -65,3 +65,24 @@ def test_names_spread_alike(seed: int) -> None:
     found = flood.flooded(*arguments)
     assert np.array_equal(found, interpreted("flood").flooded(*arguments))
     assert np.array_equal(found[names > 0], names[names > 0])
+
+
+@given(seed=st.integers(0, 999))
+def test_pieces_that_hold_something(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    names, core = rng.integers(0, 5, (6, 7), dtype=np.int32), rng.random((6, 7)) < 0.05
+    found = flood.holding(names, core.view(np.uint8), 5)
+    assert np.array_equal(found, np.isin(names, names[core]))
+    assert np.array_equal(found, interpreted("flood").holding(names, core.view(np.uint8), 5))
+
+
+@given(seed=st.integers(0, 999))
+def test_values_of_the_nearest(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    values, numbers = rng.uniform(0, 1, (4, 5)), 1 + rng.permutation(20).astype(np.int32).reshape(4, 5)
+    empty = rng.random((4, 5)) < 0.5
+    empty[0, 0] = False
+    nearest = np.where(empty, rng.choice(numbers[~empty], (4, 5)), numbers)
+    found = flood.from_nearest(values, nearest, empty.view(np.uint8))
+    assert np.array_equal(found, interpreted("flood").from_nearest(values, nearest, empty.view(np.uint8)))
+    assert np.array_equal(found, values.ravel()[np.argsort(numbers.ravel())[nearest - 1]])

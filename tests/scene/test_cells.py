@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from flatgrasp_cli.geometry.frames import Frame, frame_on_plane
 from flatgrasp_cli.geometry.raster import Raster
-from flatgrasp_cli.scene.cells import SortedPoints, fitting_cell_m, smoothed, usual
+from flatgrasp_cli.scene.cells import SortedPoints, fitting_cell_m, usual
 
 
 def test_cells_add_up_what_falls_into_them() -> None:
@@ -35,12 +35,6 @@ def test_cells_hold_a_few_points_each() -> None:
 @given(st.lists(st.integers(0, 9), min_size=1).filter(any))
 def test_the_usual_count_is_the_median_of_those_that_are_not_0(counts: list[int]) -> None:
     assert usual(np.array([counts])) == np.median([count for count in counts if count])
-
-
-def test_means_are_weighted() -> None:
-    values, weights = np.array([[0.0, 2.0, 8.0, 0.0, 0.0]]), np.array([[0, 3, 1, 0, 0]])
-    assert smoothed(values, weights, 3)[0, 1:3] == pytest.approx([14 / 4, 14 / 4])
-    assert smoothed(values, weights, 3)[0, 4] == 0
 
 
 @given(st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda v: np.linalg.norm(v) > 0.1))

@@ -48,7 +48,7 @@ def table(
 
 
 def found(points: FloatArray, noise_mm: float = 0.2) -> Clusters:
-    clusters = find_clusters(points, SupportPlane(UP, 0.0, noise_mm * MM), SETTINGS)
+    clusters = find_clusters(Cloud(points), SupportPlane(UP, 0.0, noise_mm * MM), SETTINGS)
     assert clusters is not None
     return clusters
 

@@ -8,7 +8,7 @@ import pytest
 from flatgrasp_cli import load_settings
 from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.geometry.scatter import deviation
-from flatgrasp_cli.model import Sensor
+from flatgrasp_cli.model import Cloud, Sensor
 from flatgrasp_cli.scene import support_plane
 from tests.by_hand import MM
 
@@ -32,9 +32,8 @@ def test_the_share_of_a_planes_points(monkeypatch: pytest.MonkeyPatch) -> None:
         points = rng.uniform(-0.3, 0.3, (20_000, 3)) + np.array([0.0, 0.0, 0.31])
         flat = rng.random(len(points)) < 0.5
         points[flat, 2] = rng.normal(0, 0.5 * MM, flat.sum())
-        assert (
-            support_plane.find_support_plane(points, Sensor("option", np.array([0, 0, 1.0])), settings, 0) is not None
-        )
+        above = Sensor("option", np.array([0, 0, 1.0]))
+        assert support_plane.find_support_plane(Cloud(points), above, settings, 0) is not None
         shares.append(found[-1][0].share - flat.mean())
     assert np.std(shares) == ABOUT_1_PERCENT
 

@@ -43,7 +43,7 @@ def sensor_at(viewpoint: FloatArray | None) -> Sensor:
 
 
 def plane_of(cloud: Cloud, *overrides: str, seed: int = 0) -> SupportPlane:
-    plane = find_support_plane(cloud.points, sensor_at(cloud.viewpoint), asked(*overrides), seed)
+    plane = find_support_plane(cloud, sensor_at(cloud.viewpoint), asked(*overrides), seed)
     assert plane is not None
     return plane
 
@@ -115,7 +115,7 @@ class TestSupportPlane:
 
     def test_up_that_nothing_is_normal_to_finds_nothing(self) -> None:
         cloud = ABOVE.sees(TABLE)
-        assert find_support_plane(cloud.points, sensor_at(cloud.viewpoint), asked("up=[1,0,0]"), 0) is None
+        assert find_support_plane(cloud, sensor_at(cloud.viewpoint), asked("up=[1,0,0]"), 0) is None
 
     def test_the_table_is_preferred_to_the_floor_below_it(self) -> None:
         cloud = Camera(tilt_deg=30, distance=1.3, focal=260.0).sees(TABLE, FLOOR)
@@ -139,11 +139,11 @@ class TestSupportPlane:
 
     def test_points_in_a_line_have_none(self) -> None:
         line = np.linspace(0, 1, 1000)[:, None] * np.array([1.0, 2.0, 0.5])
-        assert find_support_plane(line, sensor_at(np.array([0.0, 0.0, 1.0])), asked(), 0) is None
+        assert find_support_plane(Cloud(line), sensor_at(np.array([0.0, 0.0, 1.0])), asked(), 0) is None
 
     def test_a_scattered_cloud_has_none(self) -> None:
         ball = np.random.default_rng(0).normal(0, 0.2, (5000, 3))
-        assert find_support_plane(ball, sensor_at(np.array([0.0, 0.0, 1.0])), asked(), 0) is None
+        assert find_support_plane(Cloud(ball), sensor_at(np.array([0.0, 0.0, 1.0])), asked(), 0) is None
 
 
 class TestObjects:

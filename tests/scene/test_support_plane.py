@@ -35,7 +35,7 @@ def scattered(share: float) -> FloatArray:
 
 def support(*parts: FloatArray, sensor: Sensor = ABOVE, **changes: object) -> SupportPlane | None:
     settings = load_settings().scene.model_copy(update=changes)
-    return find_support_plane(np.concatenate(parts), sensor, settings, seed=0)
+    return find_support_plane(Cloud(np.concatenate(parts)), sensor, settings, seed=0)
 
 
 def height_and_tilt(found: SupportPlane | None) -> tuple[float, float]:
@@ -149,7 +149,7 @@ class TestWhatAViewShows:
     ) -> None:
         """More than 3 % of the points, 1 to 20 cm below it, and below three standard deviations of its noise."""
         points = np.concatenate([plane(1, noise_m=0.1 * noise_m), plane(share, -depth_m, noise_m=0)])
-        assert _goes_on_below(points, SupportPlane(UP, 0.0, noise_m), load_settings().scene) == below
+        assert _goes_on_below(Cloud(points), SupportPlane(UP, 0.0, noise_m), load_settings().scene) == below
 
     @pytest.mark.parametrize(("slant_deg", "from_above"), [(8, False), (16, True)])
     def test_the_hand_comes_from_above_unless_the_object_stands_within_11_degrees_of_upright(

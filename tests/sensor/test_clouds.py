@@ -29,6 +29,17 @@ class TestCloud:
         assert cloud.colors is not None
         assert cloud.colors[0].tolist() == [18, 19, 20]
 
+    def test_it_knows_a_box_around_its_points_and_takes_a_sample_once(self) -> None:
+        cloud = Cloud(np.array([[np.nan, 0, 9], [0, 2, 1], [1, 0, 3], [0.5, 1, 2], [1e30, 0, 0]]))
+        assert cloud.measured.corners.tolist() == [[0, 0, 1], [1, 2, 3]]
+        fewer = cloud.select(np.array([True, True, False]))
+        assert (cloud.measured.corners == fewer.measured.corners).all()  # they still lie in that
+        assert cloud.sample(2) is replace(cloud, frame_id="base").sample(2)
+        assert len(cloud.sample(9)) == 3
+        other = replace(cloud, points=cloud.points + 1)
+        assert (other.sample(2) == cloud.sample(2) + 1).all()
+        assert other.measured.corners[0].tolist() == [1, 1, 2]
+
     def test_an_image_of_points_is_organised(self) -> None:
         points = np.full((3, 4, 3), np.nan)
         points[1, 2], points[2, 0] = [1, 2, 3], [4, 5, 6]

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.geometry.scatter import quantile
+from flatgrasp_cli.kernels.borders import borders
 from flatgrasp_cli.scene.cells import SMOOTH_CELLS
-from flatgrasp_cli.scene.parting.view_grid import ViewGrid, shifted, sides
+from flatgrasp_cli.scene.parting.view_grid import ViewGrid
 
 MOST = 0.9
 """Share of a piece that tells what all of it does: cells at an edge also hold points of what is behind, and of a
@@ -48,22 +49,22 @@ def held_together(grid: ViewGrid, names: IntArray, least_m: float, drop_m: float
     """
     names = np.where(grid.known, names, 0)
     count = int(names.max()) + 1
-    borders = _borders(grid, names, count)
+    meetings = _borders(grid, names, count)
     cells = np.maximum(np.bincount(names.ravel(), minlength=count), 1)
     height = np.where(grid.known, grid.height, 0.0).ravel()
     middle = np.bincount(names.ravel(), weights=height, minlength=count) / cells
     feet = np.bincount(names.ravel(), weights=height < 0.5 * least_m, minlength=count)
-    hangs = (feet < SMOOTH_CELLS**2) & (borders.hidden <= (1 - MOST) * borders.edge)
+    hangs = (feet < SMOOTH_CELLS**2) & (meetings.hidden <= (1 - MOST) * meetings.edge)
     low, high = np.full((2, count), np.nan)
-    meeting = (np.flatnonzero(borders.met[1:].any(axis=1)) + 1).tolist()
+    meeting = (np.flatnonzero(meetings.met[1:].any(axis=1)) + 1).tolist()
     for name in meeting:
         own = height[names.ravel() == name]
         low[name], high[name] = quantile(own, ODD_SHARE), quantile(own, 1 - ODD_SHARE)
     joined = np.arange(count)
     for name in meeting:
-        other = _around(borders, name, middle, high)
+        other = _around(meetings, name, middle, high)
         if other is None and hangs[name]:
-            other = _held_by(borders, name, low + drop_m)
+            other = _held_by(meetings, name, low + drop_m)
         if other is not None:
             joined[joined == joined[name]] = joined[other]
     return np.asarray(joined[names])
@@ -90,27 +91,5 @@ def _held_by(borders: _Borders, name: int, low: FloatArray) -> int | None:
 
 def _borders(grid: ViewGrid, names: IntArray, count: int) -> _Borders:
     """Where the pieces called `names` (rows, columns), 0 for cells without points, meet."""
-    edge, hidden, own = np.zeros((3, count))
-    met, smooth, beyond = np.zeros((3, count * count))
-    for step in sides():
-        there, height = shifted(names, step), shifted(grid.height, step)
-        ends: BoolArray = (names > 0) & (names != there)
-        meets = ends & (there > 0)
-        goes_on = meets & grid.smooth_to(step)
-        nearer = meets & ~goes_on & (shifted(grid.depth, step) < grid.depth)
-        pair = names * count + there
-        edge += np.bincount(names[ends], minlength=count)
-        hidden += np.bincount(names[nearer], minlength=count)
-        own += np.bincount(names[ends], weights=grid.height[ends], minlength=count)
-        met += np.bincount(pair[meets], minlength=count * count)
-        smooth += np.bincount(pair[goes_on], minlength=count * count)
-        beyond += np.bincount(pair[goes_on], weights=height[goes_on], minlength=count * count)
-    square = (count, count)
-    return _Borders(
-        edge=edge,
-        hidden=hidden,
-        own=own,
-        met=met.reshape(square),
-        smooth=smooth.reshape(square),
-        beyond=beyond.reshape(square),
-    )
+    (edge, hidden, own), (met, smooth), beyond = borders(names, grid.height, grid.depth, grid.jump_m, count)
+    return _Borders(edge=edge, hidden=hidden, own=own, met=met.sum(axis=0), smooth=smooth.sum(axis=0), beyond=beyond)

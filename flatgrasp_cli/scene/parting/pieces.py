@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
+from flatgrasp_cli.kernels.borders import borders
 from flatgrasp_cli.kernels.flood import flooded
 from flatgrasp_cli.scene.cells import POINTS_PER_CELL, SMOOTH_CELLS
 from flatgrasp_cli.scene.parting.joints import held_together
@@ -74,18 +75,13 @@ def pieces(surface: Surface, limits: Limits) -> IntArray:
 def _over_necks(grid: ViewGrid, names: IntArray, neck_m: float) -> IntArray:
     """The names with one for each two pieces that meet along a line shorter than `neck_m`, mostly without a jump."""
     count = int(names.max()) + 1
-    met, smooth = np.zeros((2, 2, count * count))
-    for axis, step in enumerate((DOWN, RIGHT)):
-        there = shifted(names, step)
-        pair = np.minimum(names, there) * count + np.maximum(names, there)
-        border = grid.known & shifted(grid.known, step) & (names != there)
-        met[axis] = np.bincount(pair[border], minlength=count * count)
-        smooth[axis] = np.bincount(pair[border & grid.smooth_to(step)], minlength=count * count)
+    seen = np.where(grid.known, names, 0)
+    _, (met, smooth), _ = borders(seen, grid.height, grid.depth, grid.jump_m, count)  # from one to the other, and back
     length_m = grid.cell_m * np.hypot(*met)
     widest_m = neck_m + grid.cell_m if neck_m > 0 else 0.0  # a line's length is known to a cell
     joined = np.arange(count)
     necks = (length_m > 0) & (length_m < widest_m) & (2 * smooth.sum(axis=0) > met.sum(axis=0))
-    for one, other in zip(*np.divmod(np.flatnonzero(necks), count), strict=True):
+    for one, other in zip(*np.nonzero(np.triu(necks)), strict=True):
         joined[joined == joined[other]] = joined[one]
     return np.asarray(joined[names])
 

@@ -15,7 +15,7 @@ from flatgrasp_cli.geometry.frames import axes_about
 from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.geometry.scatter import median
 from flatgrasp_cli.kernels import view as kernels
-from flatgrasp_cli.kernels.projection import turned
+from flatgrasp_cli.kernels.projection import image
 from flatgrasp_cli.scene.support_plane import NEAREST_M, SIGMAS
 from flatgrasp_cli.surroundings.sight import LOST_DEG
 
@@ -130,6 +130,5 @@ def image_of(points: FloatArray, viewpoint: FloatArray) -> tuple[FloatArray, Flo
     """
     sight = mean_of(points) - viewpoint
     sight /= max(float(np.linalg.norm(sight)), 1e-9)
-    x, y, depth = turned(points, viewpoint, axes_about(sight))
-    ahead = np.maximum(depth, NEAREST_M)  # of points beside or behind the viewpoint there is no image
-    return x / ahead, y / ahead, depth
+    x, y, depth = image(points, viewpoint, axes_about(sight), NEAREST_M)
+    return x, y, depth
