@@ -80,7 +80,8 @@ def _near(
     hand: cython.Py_ssize_t
     edge: cython.Py_ssize_t
     found: cython.Py_ssize_t = 0
-    aside, turned = SHORTEST_M, 0.0  # rounding makes them differ, too
+    aside: cython.double = SHORTEST_M  # rounding makes them differ, too
+    turned: cython.double = 0.0
     for hand in range(hands.shape[1]):
         ux, uy = hands[grasp, hand, 2], hands[grasp, hand, 3]
         across: cython.double = (hands[grasp, hand, 1] - mean[grasp, 1]) * ux
