@@ -10,7 +10,7 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import FloatArray, true_entries
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.raster import Raster
-from flatgrasp_cli.kernels import palm
+from flatgrasp_cli.kernels import looking_up, palm
 
 UNSEEN = -np.inf
 
@@ -62,21 +62,16 @@ class HeightMap:
 
         Each cell takes what its axis, along z of `frame`, meets of the other plane and of the heights over it.
         """
-        rows, columns = self.raster.shape
         along = frame.axes @ other_frame.axes.T  # (3, 3): this frame's axes in the other's
         corner = other_frame.to_local(frame.origin) + (self.raster.origin + 0.5 * self.cell_m) @ along[:2]
-        down = self.cell_m * np.arange(rows)[:, None] * along[0, :, None, None]
-        right = self.cell_m * np.arange(columns) * along[1, :, None, None]
-        x, y, over = corner[:, None, None] + down + right
-        way = -over / along[2, 2]
-        floor = way + other.over(x + way * along[2, 0], y + way * along[2, 1]) / along[2, 2]
-        heights = np.where(self.heights == UNSEEN, floor, self.heights)
+        heights = self.heights.copy()
+        looking_up.floored(heights, corner, along, self.cell_m, other.heights, other.grid)
         return replace(self, heights=self.raster.rimmed(heights, UNSEEN))
 
     def averaged(self, points: FloatArray) -> HeightMap:
         """The same cells with the mean height of the `points` (n, 3) in each."""
-        cell = self.raster.cells(points[:, 0], points[:, 1])
-        return replace(self, heights=self.raster.mean(cell, points[:, 2], UNSEEN))
+        x, y, z = points.T
+        return replace(self, heights=self.raster.averages(x, y, z, UNSEEN))
 
     def over(self, x: FloatArray, y: FloatArray) -> FloatArray:
         """Heights (…) of the cells that hold points, given by columns x and y (…)."""

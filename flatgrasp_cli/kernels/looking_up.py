@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 import cython
 import numpy as np
 from numpy.typing import NDArray
+
+UNSEEN = cython.declare(cython.double, -math.inf)
 
 
 @cython.cfunc
@@ -95,3 +99,60 @@ def lowered(
 ) -> None:
     """Lower the `values` (rows, columns) of a raster to the lowest of the `levels` (n,) at places x and y (n,)."""
     _moved(values, x, y, levels, origin, cell_m, False)
+
+
+def averages(
+    x: cython.const[cython.double][:],  # type: ignore[valid-type]
+    y: cython.const[cython.double][:],  # type: ignore[valid-type]
+    values: cython.const[cython.double][:],  # type: ignore[valid-type]
+    origin: cython.double[::1],
+    cell_m: cython.double,
+    rows: cython.Py_ssize_t,
+    columns: cython.Py_ssize_t,
+    empty: cython.double,
+) -> NDArray[np.float64]:
+    """The means (rows, columns) of `values` (n,) at places x and y (n,), by cells; `empty` where there are none."""
+    place: cython.Py_ssize_t
+    row: cython.Py_ssize_t
+    column: cython.Py_ssize_t
+    found = np.zeros((rows, columns))
+    total: cython.double[:, ::1] = found
+    count: cython.double[:, ::1] = np.zeros((rows, columns))
+    for place in range(x.shape[0]):
+        row = _cell(x[place], origin[0], cell_m, rows)
+        column = _cell(y[place], origin[1], cell_m, columns)
+        total[row, column] += values[place]
+        count[row, column] += 1.0
+    for row in range(rows):
+        for column in range(columns):
+            total[row, column] = total[row, column] / count[row, column] if count[row, column] > 0 else empty
+    return found
+
+
+def floored(
+    heights: cython.double[:, ::1],
+    corner: cython.double[::1],
+    along: cython.double[:, ::1],
+    cell_m: cython.double,
+    other: cython.double[:, ::1],
+    grid: cython.double[::1],
+) -> None:
+    """Give cells of `heights` that are −∞ what their axes meet of `other` heights on a `grid` (3,), maybe aslant.
+
+    In the other map's frame the axes are `along` (3, 3), its rows, and the middle of the first cell, of those of side
+    `cell_m`, is at the `corner` (3,).
+    """
+    row: cython.Py_ssize_t
+    column: cython.Py_ssize_t
+    steep: cython.double = along[2, 2]
+    for row in range(heights.shape[0]):
+        for column in range(heights.shape[1]):
+            if heights[row, column] > UNSEEN:
+                continue
+            down: cython.double = cell_m * row
+            right: cython.double = cell_m * column
+            way: cython.double = -(corner[2] + down * along[0, 2] + right * along[1, 2]) / steep
+            x: cython.double = corner[0] + down * along[0, 0] + right * along[1, 0] + way * along[2, 0]
+            y: cython.double = corner[1] + down * along[0, 1] + right * along[1, 1] + way * along[2, 1]
+            first: cython.Py_ssize_t = _cell(x, grid[0], grid[2], other.shape[0])
+            heights[row, column] = way + other[first, _cell(y, grid[1], grid[2], other.shape[1])] / steep
