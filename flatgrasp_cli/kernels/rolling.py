@@ -9,6 +9,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 
+def marked(
+    points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
+    origin: cython.const[cython.double][:],  # type: ignore[valid-type]
+    pixel: cython.double,
+    empty: cython.uchar[:, ::1],
+) -> NDArray[np.intp]:
+    """The flat index (n,) of the pixel that each of the `points` (n, 2) lies in; it is marked by a 0. Rows go along y.
+
+    The image `empty` (rows, columns) has a rim of one pixel around what begins at the `origin` (2,).
+    """
+    point: cython.Py_ssize_t
+    found = np.empty(points.shape[0], dtype=np.intp)
+    place: cython.Py_ssize_t[::1] = found
+    for point in range(points.shape[0]):
+        column: cython.Py_ssize_t = cython.cast(cython.Py_ssize_t, (points[point, 0] - origin[0]) / pixel + 1)
+        row: cython.Py_ssize_t = cython.cast(cython.Py_ssize_t, (points[point, 1] - origin[1]) / pixel + 1)
+        empty[row, column] = 0
+        place[point] = empty.shape[1] * row + column
+    return found
+
+
 def outermost(
     points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
     label: cython.const[cython.int][:],  # type: ignore[valid-type]

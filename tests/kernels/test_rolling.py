@@ -22,3 +22,16 @@ def test_of_a_pixels_points_the_nearest_is_touched(seed: int) -> None:
         own = np.flatnonzero(label == name)
         away = np.linalg.norm(points[own] - center, axis=1)
         assert found[name] == own[away == away.min()][-1]
+
+
+@given(seed=st.integers(0, 999))
+def test_points_mark_the_pixels_that_they_lie_in(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    points, origin = rng.uniform(0.2, 0.9, (20, 2)), np.array([0.2, 0.1])
+    empty, again = np.ones((2, 12, 11), dtype=np.uint8)
+    found = rolling.marked(points, origin, 0.1, empty)
+    assert np.array_equal(found, interpreted("rolling").marked(points, origin, 0.1, again))
+    column, row = ((points - origin) / 0.1 + 1).astype(np.intp).T
+    assert np.array_equal(found, 11 * row + column)
+    assert np.array_equal(empty, again)
+    assert set(np.flatnonzero(empty == 0).tolist()) == set(found.tolist())
