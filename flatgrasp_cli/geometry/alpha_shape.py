@@ -15,9 +15,9 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
 from flatgrasp_cli.geometry.extents import bounds_of
-from flatgrasp_cli.geometry.polygon import cross, following, signed_area
+from flatgrasp_cli.geometry.polygon import signed_area
 from flatgrasp_cli.geometry.raster import Raster
-from flatgrasp_cli.kernels.rolling import marked, outermost
+from flatgrasp_cli.kernels.rolling import marked, outermost, without_notches
 
 CELLS_PER_ALPHA = np.sqrt(2)
 """A disc of radius α, wherever it lies, holds a whole cell of side α/√2: the one around its centre."""
@@ -119,11 +119,7 @@ def _filled(ring: FloatArray, alpha_m: float) -> FloatArray:
     filled is at most α·(1 − √3/2) deep.
     """
     for _ in range(FILLINGS):
-        before, after = np.concatenate([ring[-1:], ring[:-1]]), following(ring)
-        apart = after - before
-        notch = (cross(ring - before, after - ring) < 0) & (np.hypot(apart[:, 0], apart[:, 1]) <= alpha_m)
-        notch[1:] &= ~notch[:-1]  # never two neighbours at once
-        if not notch.any():
+        before, ring = len(ring), without_notches(ring, alpha_m)
+        if len(ring) == before:
             break
-        ring = ring[~notch]
     return ring

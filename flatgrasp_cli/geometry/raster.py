@@ -38,8 +38,8 @@ class Raster:
     def around(cls, x: FloatArray, y: FloatArray, cell_m: float, reach_m: float = 0.0) -> Raster:
         """The raster over the area of points x and y (n,), none of which falls on the rim, and `reach_m` around it."""
         reach_m += SLACK_CELLS * cell_m
-        low, high = np.array([x.min() - reach_m, y.min() - reach_m]), np.array([x.max() + reach_m, y.max() + reach_m])
-        return cls.over(low, high, cell_m)
+        low, high = looking_up.box(x, y)
+        return cls.over(low - reach_m, high + reach_m, cell_m)
 
     @property
     def inside(self) -> tuple[FloatArray, FloatArray]:

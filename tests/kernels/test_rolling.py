@@ -6,6 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
+from flatgrasp_cli.geometry.polygon import cross
 from flatgrasp_cli.kernels import rolling
 from tests.kernels.interpreted import interpreted
 
@@ -35,3 +36,14 @@ def test_points_mark_the_pixels_that_they_lie_in(seed: int) -> None:
     assert np.array_equal(found, 11 * row + column)
     assert np.array_equal(empty, again)
     assert set(np.flatnonzero(empty == 0).tolist()) == set(found.tolist())
+
+
+@given(seed=st.integers(0, 999), count=st.integers(0, 12))
+def test_notches_go_unless_the_one_before_them_does(seed: int, count: int) -> None:
+    ring = np.random.default_rng(seed).integers(0, 4, (count, 2)).astype(np.float64)
+    found = rolling.without_notches(ring, 2.0)
+    assert np.array_equal(found, interpreted("rolling").without_notches(ring, 2.0))
+    before, after = np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0)
+    notch = (cross(ring - before, after - ring) < 0) & (np.linalg.norm(after - before, axis=1) <= 2.0)
+    notch[1:] &= ~notch[:-1]
+    assert np.array_equal(found, ring[~notch])
