@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.kernels import points as kernels
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -19,9 +18,8 @@ class Frame:
     axes: FloatArray
 
     def to_local(self, points: FloatArray) -> FloatArray:
-        """World points (n, 3), or a single one (3,), in this frame."""
-        apart = points - self.origin if points.ndim == 1 else kernels.offsets(points, self.origin)
-        local: FloatArray = apart @ self.axes.T
+        """World points (n, 3) in this frame."""
+        local: FloatArray = (points - self.origin) @ self.axes.T
         return local
 
     def to_world(self, points: FloatArray) -> FloatArray:

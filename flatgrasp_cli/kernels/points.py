@@ -146,24 +146,6 @@ def mean(points: cython.const[cython.double][:, :]) -> NDArray[np.float64]:  # t
     return found
 
 
-def offsets(
-    points: cython.const[cython.double][:, :],  # type: ignore[valid-type]
-    place: cython.const[cython.double][:],  # type: ignore[valid-type]
-) -> NDArray[np.float64]:
-    """Where `points` (n, 3) lie, seen from a `place` (3,): numpy takes several times as long for so short an axis."""
-    row: cython.Py_ssize_t
-    found = np.empty((points.shape[0], 3))
-    offset: cython.double[:, ::1] = found
-    x: cython.double = place[0]
-    y: cython.double = place[1]
-    z: cython.double = place[2]
-    for row in range(points.shape[0]):
-        offset[row, 0] = points[row, 0] - x
-        offset[row, 1] = points[row, 1] - y
-        offset[row, 2] = points[row, 2] - z
-    return found
-
-
 def bounds(points: cython.const[cython.double][:, :]) -> NDArray[np.float64]:  # type: ignore[valid-type]
     """The least and the largest coordinates (2, c) of `points` (n, c)."""
     row: cython.Py_ssize_t

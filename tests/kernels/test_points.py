@@ -43,7 +43,6 @@ def test_they_are_those_of_the_definitions(seed: int) -> None:
     good = np.nan_to_num(some, nan=0.1, posinf=0.2, neginf=-0.2)
     assert np.array_equal(points.mean(good), good.mean(axis=0))
     assert np.array_equal(points.bounds(good), [good.min(axis=0), good.max(axis=0)])
-    assert np.array_equal(points.offsets(good, low), good - low)
 
 
 @given(seed=st.integers(0, 999))
@@ -63,7 +62,6 @@ def test_compiled_and_as_written_they_are_the_same(seed: int) -> None:
     good = np.nan_to_num(some, nan=0.1, posinf=0.2, neginf=-0.2)
     assert np.array_equal(points.mean(good), twin.mean(good))
     assert np.array_equal(points.bounds(good), twin.bounds(good))
-    assert np.array_equal(points.offsets(good, low), twin.offsets(good, low))
 
 
 def test_nobody_has_to_own_the_points() -> None:
