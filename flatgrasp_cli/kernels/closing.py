@@ -44,8 +44,7 @@ def closed(
     mean: cython.double[:, ::1] = np.asarray(hands).mean(axis=1)
     near: cython.double[:, ::1] = np.empty((starts.shape[0], 4))
     seen: cython.double[:, ::1] = np.empty((starts.shape[0], 4))
-    # one row for each edge below a pad: its ends' x, y; and the pad's middle
-    pads: cython.double[:, ::1] = np.empty((starts.shape[0] * fingers.shape[0], 5))
+    pads: cython.double[:, ::1] = np.empty((starts.shape[0] * fingers.shape[0], 5))  # edges' ends; pad's middle
     met: cython.double[:, ::1] = np.empty((2, 3))
     for grasp in range(hands.shape[0]):
         close: cython.Py_ssize_t = _near(starts, ends, hands, mean, grasp, tip[4], near)
