@@ -53,8 +53,7 @@ class Funnel:
         """Indices of the pairs whose `values` (p,) are at most `limit`; `miss` words the nearest value beyond it."""
         (kept,) = (values <= limit).nonzero()
         self.stages.append(Stage(stage, len(kept)))
-        survivors = self.trace.survivors[stage] = np.empty((len(kept), 2), dtype=np.intp)
-        survivors[:, 0], survivors[:, 1] = pairs.i[kept], pairs.j[kept]
+        self.trace.survivors[stage] = np.array([pairs.i.take(kept), pairs.j.take(kept)]).T
         if len(kept) == 0:
             nearest = float(values.min())
             finite = nearest if np.isfinite(nearest) else None

@@ -14,9 +14,10 @@ import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
-from flatgrasp_cli.geometry.polygon import cross, following, signed_area
+from flatgrasp_cli.geometry.extents import bounds_of
+from flatgrasp_cli.geometry.polygon import signed_area
 from flatgrasp_cli.geometry.raster import Raster
-from flatgrasp_cli.kernels.rolling import outermost
+from flatgrasp_cli.kernels.rolling import marked, outermost, without_notches
 
 CELLS_PER_ALPHA = np.sqrt(2)
 """A disc of radius α, wherever it lies, holds a whole cell of side α/√2: the one around its centre."""
@@ -89,19 +90,18 @@ def _repaired(ring: FloatArray) -> Any:
 
 def _rolled_around(points: FloatArray, alpha_m: float) -> tuple[list[FloatArray], list[int]]:
     """The points (k, 2) that a disc touches, ring by ring and in order; and each hole's outer ring, −1 for those."""
-    columns = np.ascontiguousarray(points.T)
-    low, high = columns.min(axis=1) - 1.1 * alpha_m, columns.max(axis=1) + 1.1 * alpha_m
+    low, high = bounds_of(points)
+    low, high = low - 1.1 * alpha_m, high + 1.1 * alpha_m
     pixel = max(alpha_m / PIXELS_PER_ALPHA, float(np.sqrt(np.prod(high - low) / MAX_PIXELS)))
     width, height = ((high - low) / pixel + 3).astype(np.intp).tolist()
-    column, row = ((columns - low[:, None]) / pixel + 1).astype(np.intp)
     empty = np.ones((height, width), dtype=np.uint8)
-    empty[row, column] = 0
+    place = marked(points, low, pixel, empty)
     distance, nearest = cv2.distanceTransformWithLabels(empty, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL)
     covered = (distance <= alpha_m / pixel).view(np.uint8)
     contours, family = cv2.findContours(covered, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
     path = np.concatenate(contours)[:, 0]  # where the disc's centre goes
     touched = nearest[path[:, 1], path[:, 0]]
-    owner = outermost(points, nearest[row, column], touched, low + (path - 0.5) * pixel, int(nearest.max()) + 1)
+    owner = outermost(points, nearest.ravel().take(place), touched, low + (path - 0.5) * pixel, int(nearest.max()) + 1)
     ways = np.split(touched, np.cumsum([len(contour) for contour in contours])[:-1])
     rings = [points[owner[way[way != np.concatenate([way[-1:], way[:-1]])]]] for way in ways]
     return rings, family[0, :, 3].tolist()
@@ -119,11 +119,7 @@ def _filled(ring: FloatArray, alpha_m: float) -> FloatArray:
     filled is at most α·(1 − √3/2) deep.
     """
     for _ in range(FILLINGS):
-        before, after = np.concatenate([ring[-1:], ring[:-1]]), following(ring)
-        apart = after - before
-        notch = (cross(ring - before, after - ring) < 0) & (np.hypot(apart[:, 0], apart[:, 1]) <= alpha_m)
-        notch[1:] &= ~notch[:-1]  # never two neighbours at once
-        if not notch.any():
+        before, ring = len(ring), without_notches(ring, alpha_m)
+        if len(ring) == before:
             break
-        ring = ring[~notch]
     return ring

@@ -42,6 +42,7 @@ def under_fingers(
     jaw: cython.Py_ssize_t
     step: cython.Py_ssize_t
     row: cython.Py_ssize_t
+    met: tuple[cython.double, cython.double]
     ends: cython.Py_ssize_t[::1] = _ends(fingers)
     found = np.full((2, reach.shape[0], reach.shape[1]), 0.0)
     found[0] = -math.inf
@@ -55,10 +56,12 @@ def under_fingers(
             dark_m: cython.double = 0.0
             for step in range(last + 1):
                 out: cython.double = (step + 0.5) * grid[2] + hands[hand, 4]
-                heights: cython.double[:, ::1] = rest if step < at_contact else highest
-                met: tuple[cython.double, cython.double] = _across(
-                    hands, hand, fingers, ends[jaw], ends[jaw + 1], (2 * jaw - 1) * out, heights, grid
-                )
+                along: cython.double = (2 * jaw - 1) * out
+                # no view of whichever map it is: to take one takes as long as several look-ups
+                if step < at_contact:
+                    met = _across(hands, hand, fingers, ends[jaw], ends[jaw + 1], along, rest, grid)
+                else:
+                    met = _across(hands, hand, fingers, ends[jaw], ends[jaw + 1], along, highest, grid)
                 most = max(most, met[0])
                 dark_m += grid[2] * met[1]
                 for row in range(reach.shape[0]):

@@ -44,8 +44,7 @@ def closed(
     mean: cython.double[:, ::1] = np.asarray(hands).mean(axis=1)
     near: cython.double[:, ::1] = np.empty((starts.shape[0], 4))
     seen: cython.double[:, ::1] = np.empty((starts.shape[0], 4))
-    # one row for each edge below a pad: its ends' x, y; and the pad's middle
-    pads: cython.double[:, ::1] = np.empty((starts.shape[0] * fingers.shape[0], 5))
+    pads: cython.double[:, ::1] = np.empty((starts.shape[0] * fingers.shape[0], 5))  # edges' ends; pad's middle
     met: cython.double[:, ::1] = np.empty((2, 3))
     for grasp in range(hands.shape[0]):
         close: cython.Py_ssize_t = _near(starts, ends, hands, mean, grasp, tip[4], near)
@@ -80,7 +79,8 @@ def _near(
     hand: cython.Py_ssize_t
     edge: cython.Py_ssize_t
     found: cython.Py_ssize_t = 0
-    aside, turned = SHORTEST_M, 0.0  # rounding makes them differ, too
+    aside: cython.double = SHORTEST_M  # rounding makes them differ, too
+    turned: cython.double = 0.0
     for hand in range(hands.shape[1]):
         ux, uy = hands[grasp, hand, 2], hands[grasp, hand, 3]
         across: cython.double = (hands[grasp, hand, 1] - mean[grasp, 1]) * ux

@@ -128,27 +128,44 @@ def _around(
 ) -> cython.void:
     """Sort the squared distances of the points in the cells of a ring into those of the `nearest`."""
     down: cython.Py_ssize_t
-    right: cython.Py_ssize_t
-    point: cython.Py_ssize_t
-    rank: cython.Py_ssize_t
     rows: cython.Py_ssize_t = cython.cast(cython.Py_ssize_t, grid[3])
     columns: cython.Py_ssize_t = cython.cast(cython.Py_ssize_t, grid[4])
-    last: cython.Py_ssize_t = nearest.shape[0] - 1
+    left: cython.Py_ssize_t = max(column - ring, 0)
+    right: cython.Py_ssize_t = min(column + ring, columns - 1)
     for down in range(max(row - ring, 0), min(row + ring, rows - 1) + 1):
-        step: cython.Py_ssize_t = 1 if down == row - ring or down == row + ring or ring == 0 else 2 * ring
-        right = column - ring - step
-        while right < column + ring:
-            right += step
-            if right < 0 or right >= columns:
-                continue
-            for point in range(begin[down * columns + right], begin[down * columns + right + 1]):
-                dx: cython.float = places[point, 0] - x
-                dy: cython.float = places[point, 1] - y
-                square: cython.float = dx * dx + dy * dy
-                rank = last
-                if square >= nearest[rank]:
-                    continue
-                while rank > 0 and nearest[rank - 1] > square:
-                    nearest[rank] = nearest[rank - 1]
-                    rank -= 1
-                nearest[rank] = square
+        first: cython.Py_ssize_t = down * columns
+        if down == row - ring or down == row + ring:  # the cells of a row are neighbours, and so are their points
+            _nearer(places, begin[first + left], begin[first + right + 1], x, y, nearest)
+            continue
+        if column >= ring:
+            _nearer(places, begin[first + left], begin[first + left + 1], x, y, nearest)
+        if column + ring < columns:
+            _nearer(places, begin[first + right], begin[first + right + 1], x, y, nearest)
+
+
+@cython.cfunc
+@cython.inline
+@cython.exceptval(check=False)
+def _nearer(
+    places: cython.float[:, ::1],
+    begin: cython.Py_ssize_t,
+    end: cython.Py_ssize_t,
+    x: cython.float,
+    y: cython.float,
+    nearest: cython.float[::1],
+) -> cython.void:
+    """Sort the squared distances of the places from `begin` to `end` into those of the `nearest`."""
+    point: cython.Py_ssize_t
+    rank: cython.Py_ssize_t
+    last: cython.Py_ssize_t = nearest.shape[0] - 1
+    for point in range(begin, end):
+        dx: cython.float = places[point, 0] - x
+        dy: cython.float = places[point, 1] - y
+        square: cython.float = dx * dx + dy * dy
+        rank = last
+        if square >= nearest[rank]:
+            continue
+        while rank > 0 and nearest[rank - 1] > square:
+            nearest[rank] = nearest[rank - 1]
+            rank -= 1
+        nearest[rank] = square

@@ -57,13 +57,15 @@ def swept(
     finger: cython.Py_ssize_t
     found = np.zeros((2, 2, hands.shape[0]))
     answer: cython.double[:, :, ::1] = found
+    seen: cython.double[:, ::1] = np.empty((points.shape[0], 2))
     rest: cython.double[::1] = np.empty(2)  # the pad, and the obstacle behind it
     for hand in range(hands.shape[0]):
+        _see(points, hands, hand, seen)
         for jaw in range(2):
             rest[0], rest[1] = -INFINITY, INFINITY
             for finger in range(fingers.shape[0]):
                 if fingers[finger, 0] == jaw:
-                    _sweep(points, edges, hands, hand, 2 * jaw - 1, fingers[finger, 1], half, level[jaw, hand], rest)
+                    _sweep(seen, edges, 2 * jaw - 1, fingers[finger, 1], half, level[jaw, hand], rest)
             if rest[0] > -INFINITY:
                 answer[0, jaw, hand] = rest[0]
                 answer[1, jaw, hand] = max(rest[1] - rest[0], 0.0)
@@ -73,18 +75,31 @@ def swept(
 @cython.cfunc
 @cython.inline
 @cython.exceptval(check=False)
+def _see(
+    points: cython.double[:, ::1], hands: cython.double[:, ::1], hand: cython.Py_ssize_t, seen: cython.double[:, ::1]
+) -> cython.void:
+    """Write the points as they are `seen` (n, 2) from a hand: x across the closing axis, and y along it."""
+    row: cython.Py_ssize_t
+    for row in range(points.shape[0]):
+        dx: cython.double = points[row, 0] - hands[hand, 0]
+        dy: cython.double = points[row, 1] - hands[hand, 1]
+        seen[row, 0] = dy * hands[hand, 2] - dx * hands[hand, 3]
+        seen[row, 1] = dx * hands[hand, 2] + dy * hands[hand, 3]
+
+
+@cython.cfunc
+@cython.inline
+@cython.exceptval(check=False)
 def _sweep(
-    points: cython.double[:, ::1],
+    seen: cython.double[:, ::1],
     edges: cython.Py_ssize_t[::1],
-    hands: cython.double[:, ::1],
-    hand: cython.Py_ssize_t,
     side: cython.double,
     offset: cython.double,
     half: cython.double,
     level: cython.double,
     rest: cython.double[::1],
 ) -> cython.void:
-    """Move the pad out and the obstacle in by what one finger meets, seen with y out to its jaw."""
+    """Move the pad out and the obstacle in by what one finger meets, y out to its jaw, which is on that `side`."""
     index: cython.Py_ssize_t
     row: cython.Py_ssize_t
     inside: cython.bint = False
@@ -92,16 +107,12 @@ def _sweep(
     high: cython.double = offset + half
     for index in range(edges.shape[0]):
         row = edges[index]
-        dx: cython.double = points[row, 0] - hands[hand, 0]
-        dy: cython.double = points[row, 1] - hands[hand, 1]
-        ex: cython.double = points[row + 1, 0] - hands[hand, 0]
-        ey: cython.double = points[row + 1, 1] - hands[hand, 1]
-        ax: cython.double = dy * hands[hand, 2] - dx * hands[hand, 3]
-        bx: cython.double = ey * hands[hand, 2] - ex * hands[hand, 3]
+        ax: cython.double = seen[row, 0]
+        bx: cython.double = seen[row + 1, 0]
         if (ax >= high and bx >= high) or (ax <= low and bx <= low):
             continue
-        ay: cython.double = side * (dx * hands[hand, 2] + dy * hands[hand, 3])
-        by: cython.double = side * (ex * hands[hand, 2] + ey * hands[hand, 3])
+        ay: cython.double = side * seen[row, 1]
+        by: cython.double = side * seen[row + 1, 1]
         slope: cython.double = (by - ay) / (bx - ax if bx != ax else 1.0)
         if (ax > offset) != (bx > offset) and ay + (offset - ax) * slope > level:
             inside = not inside

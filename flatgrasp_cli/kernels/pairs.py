@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 INFINITY = cython.declare(cython.double, math.inf)
 DEGREES = cython.declare(cython.double, 180.0 / math.pi)
 ROUNDING = cython.declare(cython.double, 1e-9)
-"""Cosines this much smaller than a limit are looked at closely."""
+"""Cosines that differ from a limit by no more than this are looked at closely."""
 
 
 def balanced(
@@ -59,6 +59,7 @@ def _collect(
     count: cython.Py_ssize_t = 0
     face: cython.Py_ssize_t = 0
     near: cython.double = cos(limit_deg / DEGREES) - ROUNDING
+    sure: cython.double = near + 2 * ROUNDING
     for i in range(contact.shape[0]):
         if jaw[i] == 1:
             continue
@@ -76,7 +77,7 @@ def _collect(
             face += 1
             cosine: cython.double = -(direction[i, 0] * direction[j, 0] + direction[i, 1] * direction[j, 1])
             largest[0] = max(largest[0], cosine)
-            if cosine >= near and _gamma_deg(cosine) <= limit_deg:
+            if cosine > sure or (cosine >= near and _gamma_deg(cosine) <= limit_deg):
                 pairs[0, found] = i
                 pairs[1, found] = j
                 found += 1

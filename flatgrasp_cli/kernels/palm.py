@@ -46,19 +46,22 @@ def under_palm(
     row: cython.Py_ssize_t
     index: cython.Py_ssize_t
     tiles: cython.Py_ssize_t[:, ::1] = _tiles(hands, tops, grid, least, across, along)
-    radius: cython.double = TILE * grid[2]  # of a circle around a tile, and some more
+    middles: cython.double[:, ::1] = np.empty((tiles.shape[0], 2))
+    for index in range(tiles.shape[0]):
+        middles[index, 0] = grid[0] + grid[2] * TILE * (tiles[index, 0] + 0.5)
+        middles[index, 1] = grid[1] + grid[2] * TILE * (tiles[index, 1] + 0.5)
     found = np.full((along.shape[0], along.shape[1]), -math.inf)
     answer: cython.double[:, ::1] = found
     for hand in range(hands.shape[0] if tiles.shape[0] > 0 else 0):
         longest: cython.double = 0.0
+        x, y, ux, uy = hands[hand, 0], hands[hand, 1], hands[hand, 2], hands[hand, 3]
+        half: cython.double = 0.5 * TILE * grid[2] * (abs(ux) + abs(uy))  # of a tile, seen along the closing axis
         for row in range(along.shape[0]):
             longest = max(longest, along[row, hand])
         for index in range(tiles.shape[0]):
-            dx: cython.double = grid[0] + grid[2] * TILE * (tiles[index, 0] + 0.5) - hands[hand, 0]
-            dy: cython.double = grid[1] + grid[2] * TILE * (tiles[index, 1] + 0.5) - hands[hand, 1]
-            if abs(dy * hands[hand, 2] - dx * hands[hand, 3]) > across + radius:
-                continue
-            if abs(dx * hands[hand, 2] + dy * hands[hand, 3]) > longest + radius:
+            dx: cython.double = middles[index, 0] - x
+            dy: cython.double = middles[index, 1] - y
+            if abs(dy * ux - dx * uy) > across + half or abs(dx * ux + dy * uy) > longest + half:
                 continue
             lowest: cython.double = math.inf
             for row in range(along.shape[0]):
@@ -120,15 +123,18 @@ def _in_tile(
     opening: cython.Py_ssize_t
     first_row: cython.Py_ssize_t = TILE * tiles[tile, 0]
     first_column: cython.Py_ssize_t = TILE * tiles[tile, 1]
+    # numbers that no array holds: a compiler cannot know that writing to one does not change another
+    ux, uy = hands[hand, 2], hands[hand, 3]
+    x, y, low_x, low_y, size = hands[hand, 0], hands[hand, 1], grid[0], grid[1], grid[2]
     for row in range(first_row, min(first_row + TILE, heights.shape[0])):
-        dx: cython.double = grid[0] + grid[2] * (row + 0.5) - hands[hand, 0]
+        dx: cython.double = low_x + size * (row + 0.5) - x
         for column in range(first_column, min(first_column + TILE, heights.shape[1])):
             if heights[row, column] <= least:
                 continue
-            dy: cython.double = grid[1] + grid[2] * (column + 0.5) - hands[hand, 1]
-            if abs(dy * hands[hand, 2] - dx * hands[hand, 3]) > across:
+            dy: cython.double = low_y + size * (column + 0.5) - y
+            if abs(dy * ux - dx * uy) > across:
                 continue
-            y: cython.double = abs(dx * hands[hand, 2] + dy * hands[hand, 3])
+            ahead: cython.double = abs(dx * ux + dy * uy)
             for opening in range(along.shape[0]):
-                if y <= along[opening, hand]:
+                if ahead <= along[opening, hand]:
                     answer[opening, hand] = max(answer[opening, hand], heights[row, column])

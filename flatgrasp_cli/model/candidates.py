@@ -137,23 +137,12 @@ class GraspCandidates(Table):
         return self.select(np.arange(min(count, len(self))))
 
     def with_rows(self, rows: IntArray, others: GraspCandidates) -> GraspCandidates:
-        """The pairs with those in `rows` exchanged for the `others`."""
-        kept = np.setdiff1d(np.arange(len(self)), rows)
-        places = np.argsort(np.concatenate([kept, rows]), kind="stable")
-        return self.select(kept).followed_by(others).select(places) if len(kept) else others
-
-    def followed_by(self, others: GraspCandidates) -> GraspCandidates:
-        """The pairs and then `others`, whose missing numbers are NaN."""
-        if len(others) == 0:
-            return self
-        mine = {name: values for name, values in vars(self).items() if len(values)}
-        missing = {name: values for name, values in mine.items() if not len(vars(others)[name])}
-        unknown = {name: np.full((len(others), *values.shape[1:]), np.nan) for name, values in missing.items()}
-        return self.joined([self, others.having(**unknown)])
-
-    def untried(self) -> GraspCandidates:
-        """The same pairs without what was found out by trying them."""
-        columns = {name: np.full_like(getattr(self, name), np.nan) for name in ("success", "causes", "probability")}
+        """The pairs with those in `rows` exchanged for the `others`, of which as much is known."""
+        if len(rows) == len(self):
+            return others
+        columns = {name: values.copy() for name, values in vars(self).items() if len(values)}
+        for name, values in columns.items():
+            values[rows] = vars(others)[name]
         return self.having(**columns)
 
 

@@ -37,7 +37,7 @@ def silhouette_of(
     projected, heights = np.ascontiguousarray(local[:, :2]), local[:, 2]
     alpha_m = settings.alpha_m or max(MIN_ALPHA_M, 2 * (spacing_m or spacing(projected)))
     alpha_m, member = _one_piece(projected, alpha_m, settings.min_coverage)
-    region = alpha_region(projected[member], alpha_m)
+    region = alpha_region(projected if member.all() else projected[member], alpha_m)
     loops = _loops(region, settings) if region is not None else ()
     loops = (*loops[:1], *(hole for hole in loops[1:] if not _is_gap(hole, projected, heights, alpha_m)))
     return Silhouette(

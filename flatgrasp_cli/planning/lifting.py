@@ -31,6 +31,8 @@ from flatgrasp_cli.ranking import CAUSES, by_probability, differing
 from flatgrasp_cli.robot import Motion, Plane, flange_at, reach, way_to
 from flatgrasp_cli.surroundings import tilt_deg
 
+SAME_WAY = 1e-5
+"""Unit vectors that differ by less are the same: rounding makes them differ by less still."""
 REACH_CANDIDATES = 500
 """The best grasps of an object that a robot is asked about: a third of a second."""
 
@@ -198,7 +200,7 @@ def _motion(cloud: ObjectCloud, plane: Frame, gripper: Gripper, settings: Planne
     One that came aslant goes back first: only of that way is it known that nothing is in it.
     """
     away = plane.axes[2] if cloud.support is None else cloud.support.normal
-    aslant = not np.allclose(plane.axes[2], away)
+    aslant = float(np.abs(plane.axes[2] - away).max()) > SAME_WAY
     return Motion(settings.depth.approach_m, settings.depth.lift_m, away, gripper.symmetric, back_first=aslant)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from functools import lru_cache
 from typing import Annotated
 
 from pydantic import Field
@@ -75,7 +76,7 @@ class UncertaintySettings(HandUncertainty):
     @property
     def figures(self) -> Uncertainty:
         """The figures, the usual ones for what is None."""
-        return Uncertainty(**{name: value for name, value in self.model_dump().items() if value is not None})
+        return _figures(self)
 
     def resolved(self, *known: HandUncertainty | None) -> UncertaintySettings:
         """The same without None: what the first of the profiles `known` tells of it, or the usual figure."""
@@ -84,3 +85,8 @@ class UncertaintySettings(HandUncertainty):
             values = {} if one is None else one.model_dump(exclude_none=True)
             told = {**values, **told}
         return self.model_copy(update={**asdict(Uncertainty()), **told})
+
+
+@lru_cache(maxsize=8)
+def _figures(settings: UncertaintySettings) -> Uncertainty:
+    return Uncertainty(**{name: value for name, value in settings.model_dump().items() if value is not None})

@@ -40,6 +40,11 @@ class Errors:
         return len(self.yaw)
 
     @cached_property
+    def along_apart(self) -> FloatArray:
+        """How far the hand misses along its closing axis, either way (s,), the least first."""
+        return np.sort(np.abs(self.along))
+
+    @cached_property
     def misses(self) -> FloatArray:
         """How far the hand misses across its closing axis and along it, and cosine and sine of its turn (s, 4)."""
         return np.column_stack([self.across, self.along, np.cos(self.yaw), np.sin(self.yaw)])

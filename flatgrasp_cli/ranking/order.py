@@ -34,18 +34,27 @@ def best_first(grasps: GraspCandidates, situation: Situation) -> GraspCandidates
     unsure = situation.unsure
     apart = VarietySettings(apart_m=unsure.position_m, apart_deg=min(2 * unsure.yaw_deg, 90.0))
     contenders = np.array(differing(grasps, order, apart, CONTENDERS), dtype=np.intp)
-    rough = _by_trial(grasps.select(contenders), situation.briefly)
-    sure = _by_trial(rough.first(FINALISTS), situation.to_the_end)
-    left = rough.select(np.arange(len(sure), len(rough))).untried()
-    others = order[~np.isin(order, contenders)]
-    return sure.followed_by(left).followed_by(grasps.select(others))
+    rough = situation.briefly.tried(grasps.select(contenders))
+    places = by_probability(rough.probability, rough.gravity_distance)
+    sure = situation.to_the_end.tried(rough.select(places[:FINALISTS]))
+    best = by_probability(sure.probability, sure.gravity_distance)
+    finalists, left = contenders[places[:FINALISTS]], contenders[places[FINALISTS:]]
+    grasps.merit[contenders], grasps.merit[finalists] = rough.probability, sure.probability
+    estimates = np.ones(len(grasps), dtype=np.bool_)
+    estimates[contenders] = False
+    others = order[estimates[order]]
+    return grasps.select(np.concatenate([finalists[best], left, others])).having(
+        success=_first_of(len(grasps), sure.success[best]),
+        causes=_first_of(len(grasps), sure.causes[best]),
+        probability=_first_of(len(grasps), sure.probability[best]),
+    )
 
 
-def _by_trial(grasps: GraspCandidates, situation: Situation) -> GraspCandidates:
-    """The grasps in the order of how often they hold in that situation."""
-    tried = situation.tried(grasps)
-    order = by_probability(tried.probability, tried.gravity_distance)
-    return tried.having(merit=tried.probability).select(order)
+def _first_of(count: int, known: FloatArray) -> FloatArray:
+    """A column (count, …) that begins with what is `known`; the rest is not."""
+    column = np.full((count, *known.shape[1:]), np.nan)
+    column[: len(known)] = known
+    return column
 
 
 def by_probability(probability: FloatArray, tied: FloatArray | IntArray) -> IntArray:
@@ -69,7 +78,7 @@ def estimated(grasps: GraspCandidates, situation: Situation) -> FloatArray:
     settings, gripper = situation.settings, situation.gripper
     unsure, friction = situation.unsure, settings.balance.friction_with(gripper)
     room = grasps.margin + RIM_SHARE * gripper.finger_thickness_m
-    misses = np.sort(np.abs(situation.errors.along))
+    misses = situation.errors.along_apart
     beside = np.searchsorted(misses, room, side="right") / len(misses)
     half = 0.5 * np.nan_to_num(grasps.grip, nan=np.inf)
     leaning = grasps.lean[:, 0] + unsure.outline_m / half

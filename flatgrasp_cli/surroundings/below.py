@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -44,7 +45,7 @@ def under_fingers(
     cell = rest.cell_m
     reach = np.maximum(np.ceil((margins + gripper.finger_thickness_m) / cell).astype(np.intp) - 1, 0)
     at_contact = int(np.ceil(MIN_CELL_M / cell + 0.5))
-    fingers = _places(gripper, gripper.finger_width_m + 2 * clearance_m, cell)
+    fingers = _places(gripper.jaws, gripper.finger_width_m + 2 * clearance_m, cell)
     found, hidden = kernels.under_fingers(
         grasps.hands, fingers, reach, at_contact, rest.heights, highest.heights, rest.grid
     )
@@ -58,7 +59,7 @@ def stops(hands: OpenHands, rest: HeightMap, coarse: HeightMap, gripper: Gripper
     aside, or is pushed aside by.
     """
     cell, where = rest.cell_m, hands.rows
-    fingers = _places(gripper, 0.5 * gripper.finger_width_m, cell)
+    fingers = _places(gripper.jaws, 0.5 * gripper.finger_width_m, cell)
     out = 0.5 * gripper.finger_thickness_m + _steps(0.5 * gripper.finger_thickness_m, cell)
     highest, dark = kernels.under_tips(where, fingers, out, rest.heights, rest.grid)
     long_m = gripper.finger_length_m
@@ -110,10 +111,11 @@ def under_palm(
     return palm.under_palm(hands, chart.heights, chart.tops, chart.grid, least_m, across, along)
 
 
-def _places(gripper: Gripper, width_m: float, cell_m: float) -> FloatArray:
+@lru_cache(maxsize=64)
+def _places(jaws: tuple[tuple[float, ...], ...], width_m: float, cell_m: float) -> FloatArray:
     """Jaw and offset across it (f, 2) of places, no more than a cell apart, all over fingers `width_m` wide."""
     steps = _steps(width_m, cell_m)
-    return np.array([[jaw, at] for jaw in (0, 1) for offset in gripper.jaws[jaw] for at in (offset + steps).tolist()])
+    return np.array([[jaw, at] for jaw in (0, 1) for offset in jaws[jaw] for at in (offset + steps).tolist()])
 
 
 def _steps(size: float, cell_m: float) -> FloatArray:

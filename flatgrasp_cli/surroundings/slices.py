@@ -13,6 +13,7 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
 from flatgrasp_cli.geometry.height_map import HeightMap
+from flatgrasp_cli.kernels.pieces import standing_out
 from flatgrasp_cli.profiles.settings import DepthSettings
 
 SAME_FOOTPRINT = 0.93
@@ -64,8 +65,7 @@ def slices(local: FloatArray, cell_m: float, settings: DepthSettings) -> list[Sl
     levels = np.arange(lowest + settings.slice_step_m, top - settings.min_grip_m, settings.slice_step_m)
     for level in (-np.inf, *levels):
         _, labels, boxes, _ = cv2.connectedComponentsWithStats((chart.heights > level).view(np.uint8), connectivity=8)
-        piece = np.where(local[:, 2] > level, labels.ravel()[cell_of], 0)
-        points = np.bincount(piece, minlength=len(boxes))
+        piece, points = standing_out(local, cell_of, labels.ravel(), level, len(boxes))
         pieces = 1 + np.flatnonzero(points[1:] >= MIN_POINTS)
         if level < lowest and len(pieces) < 2:
             continue  # the whole, in one piece
