@@ -117,12 +117,12 @@ def _tried(
     held: cython.double = max(grasps[grasp, 0] - max(met[6, grasp, sample], met[4, grasp, sample]), 0.0)
     lands: cython.bint = met[0, grasp, sample] == 0 or met[1, grasp, sample] < samples[sample, 0] * grasps[grasp, 2]
     beside: cython.double = usual[2] if lands else 1.0
-    down: cython.double = beside * (1 - usual[3] * met[5, grasp, sample]) if held >= usual[4] else 0.0
+    down: cython.double = beside * (1 - usual[4] * met[5, grasp, sample]) if held >= usual[5] else 0.0
     around: cython.double = down if met[2, grasp, sample] != 0 or inside or lands else 0.0
     lean: cython.double = 0.0
     if grasps[grasp, 3] != 0:
-        lean = _lean(leans, grasp, 1 - held / max(grasps[grasp, 1], usual[4]))
-        lean = max(lean + samples[sample, 1] / max(0.5 * held, usual[4]), 0.0)
+        lean = _lean(leans, grasp, 1 - held / max(grasps[grasp, 1], usual[5]))
+        lean = max(lean + samples[sample, 1] / max(0.5 * held, usual[5]), 0.0)
     wedge: cython.double = 0.0 if inside else met[3, grasp, sample]
     need: cython.double = sqrt(wedge * wedge + lean * lean)
     left[grasp, 0] += beside
@@ -135,14 +135,16 @@ def _tried(
     lifted: cython.double = around * _suffices(need, usual[0], usual[1])
     left[grasp, 4] += lifted
     # What turns slides meanwhile, too: to stay between the pads, what it slides must be less than what they hold.
-    slide: cython.double = met[8, grasp, sample] / max(held, usual[4])
+    slide: cython.double = met[8, grasp, sample] / max(held, usual[5])
     more: cython.double = (sqrt(1 + slide * slide) - 1) * samples[sample, 2]
     wedge += grasps[grasp, 5] * more
     lean += grasps[grasp, 4] * more
     turned: cython.double = sqrt(wedge * wedge + lean * lean)
-    tilts: cython.double = (met[9, grasp, sample] - held) / max(grasps[grasp, 6], usual[4])
-    stays: cython.double = max(min(max(need, met[7, grasp, sample]), turned), tilts)
-    left[grasp, 5] += around * _suffices(stays, usual[0], usual[1])
+    tilts: cython.double = (met[9, grasp, sample] - held) / max(grasps[grasp, 6], usual[5])
+    stays: cython.double = around * _suffices(max(turned, tilts), usual[0], usual[1])
+    need = max(need, met[7, grasp, sample], tilts)
+    still: cython.double = around * _suffices(need, usual[0], usual[1])
+    left[grasp, 5] += still + usual[3] * max(stays - still, 0.0)
 
 
 def chances(
@@ -166,8 +168,8 @@ def chances(
     hidden is there, the walls' error, and the friction that the weight needs. Where a hand is `inside` (k, s) a basin,
     closing ends in the grasp.
 
-    What is `usual` (5,): friction, the share that it is known to, how often an object is held that a fingertip comes
-    down on, how often something is in the dark, and the noise of heights.
+    What is `usual` (6,): friction, the share that it is known to, how often an object is held that a fingertip comes
+    down on and one that turns, how often something is in the dark, and the noise of heights.
     """
     grasp: cython.Py_ssize_t
     sample: cython.Py_ssize_t

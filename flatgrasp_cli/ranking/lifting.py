@@ -17,13 +17,14 @@ class Load(NamedTuple):
     """What p grips have to bear in s samples: `mass` (s,), kg, at `arm` (p, s), metres beside the line of the contacts.
 
     By `turn` (p, s), radians, it turns about that line until it hangs; `tilt` (p, s), metres, is the arm of its weight
-    about the pads' other axis, across the approach.
+    about the pads' other axis, across the approach. `beyond` (p,) is how far the object goes on from there, metres.
     """
 
     mass: FloatArray
     arm: FloatArray
     turn: FloatArray
     tilt: FloatArray
+    beyond: FloatArray
 
 
 class Needs(NamedTuple):
@@ -39,13 +40,14 @@ class Needs(NamedTuple):
     tilt: FloatArray
 
 
-def friction_to_lift(load: Load, force_n: float, pads: FloatArray) -> Needs:
+def friction_to_lift(load: Load, force_n: float, pads: FloatArray, lift_m: float) -> Needs:
     """The friction that p grips need in s samples, whose fingers press with `force_n` newtons.
 
     `pads` (p, 2) are the width and the height that they cover, metres. Weight: 2·μ·N ≥ m·(g + a). Turning: evenly
-    pressed pads bear the torque 2·μ·N·r, r being the mean distance from their middle.
+    pressed pads bear the torque 2·μ·N·r, r being the mean distance from their middle; what turns nevertheless hangs
+    down from the hand, and is lifted as it should be unless it goes on for more than the lift's height `lift_m`.
 
-    What turns nevertheless slides while it does: a pad bears the force f and the torque τ together within the limit
+    What turns slides meanwhile: a pad bears the force f and the torque τ together within the limit
     surface (f / f_max)² + (τ / (r·f_max))² = 1 and slides along its normal (Goyal, Ruina & Papadopoulos, "Planar
     sliding with dry friction", Wear 143, 1991; the ellipse is Lee & Cutkosky's, 1991), that is by r·w / √(1 − w²) for
     each radian, w being the share of the friction that bears the weight.
@@ -54,7 +56,8 @@ def friction_to_lift(load: Load, force_n: float, pads: FloatArray) -> Needs:
     bears μ·N·b besides, b being how far apart they are; what tilts further is levered out.
     """
     weight, radius = load.mass * STANDARD_GRAVITY / (2 * force_n), _mean_radius(pads)[:, None]
-    return Needs(STRESS * weight, weight * load.arm / radius, radius * load.turn, 2 * weight * load.tilt)
+    turning = np.where((load.beyond > lift_m)[:, None], weight * load.arm / radius, 0.0)
+    return Needs(STRESS * weight, turning, radius * load.turn, 2 * weight * load.tilt)
 
 
 def _mean_radius(pads: FloatArray) -> FloatArray:

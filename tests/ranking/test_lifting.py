@@ -13,9 +13,12 @@ PADS = np.array([[20 * MM, 20 * MM]])
 QUARTER = np.pi / 2
 
 
-def needs(mass_kg: float, arm_mm: float, force_n: float = 40.0, pads: FloatArray = PADS) -> Needs:
-    load = Load(np.array([mass_kg]), np.array([[arm_mm * MM]]), np.array([[QUARTER]]), np.array([[arm_mm * MM]]))
-    return friction_to_lift(load, force_n, pads)
+def needs(
+    mass_kg: float, arm_mm: float, beyond_mm: float = 300.0, force_n: float = 40.0, pads: FloatArray = PADS
+) -> Needs:
+    arm = np.array([[arm_mm * MM]])
+    load = Load(np.array([mass_kg]), arm, np.array([[QUARTER]]), arm, np.array([beyond_mm * MM]))
+    return friction_to_lift(load, force_n, pads, 100 * MM)
 
 
 def test_two_pads_bear_the_weight_and_half_as_much_again() -> None:
@@ -33,6 +36,11 @@ def test_a_pad_bears_a_torque_with_the_arm_that_its_points_have_on_average(wide_
     found = needs(1.0, arm_mm, pads=pads)
     assert found.turning[0, 0] == pytest.approx(9.80665 / 80, rel=0.01)
     assert found.slide[0, 0] == pytest.approx(arm_mm * MM * QUARTER, rel=0.01)
+
+
+def test_what_turns_and_is_short_is_lifted_all_the_same() -> None:
+    assert needs(1.0, 50.0, beyond_mm=99.0).turning[0, 0] == 0.0
+    assert needs(1.0, 50.0, beyond_mm=101.0).turning[0, 0] > 0.5
 
 
 def test_pads_that_are_tilted_press_higher_and_lower_by_what_the_torque_takes() -> None:

@@ -130,7 +130,7 @@ class TestByHand:
         ("fall", "density", "held"),
         [
             ((0.0, 0.0, -1.0), 800.0, 1.0),
-            ((1.0, 0.0, 0.0), 800.0, 1.0),
+            ((1.0, 0.0, 0.0), 800.0, 0.9),
             ((0.0, 1.0, 0.0), 650.0, 1.0),
             ((0.0, 1.0, 0.0), 800.0, 0.0),
         ],
@@ -263,12 +263,12 @@ def test_a_fingertip_on_the_object_is_pushed_aside_four_times_in_five() -> None:
 
 
 @pytest.mark.parametrize(
-    ("density", "grip_mm", "held"), [(640, 20, 1.0), (640, 2, 1.0), (2500, 20, 1.0), (2500, 2, 0.0)]
+    ("density", "grip_mm", "held"), [(640, 20, 0.9), (640, 2, 0.9), (2500, 20, 0.9), (2500, 2, 0.0)]
 )
 def test_what_turns_about_the_pads_slides_meanwhile_and_must_not_slide_out(
     density: float, grip_mm: float, held: float
 ) -> None:
-    """A bar of 40 cm, gripped 15 cm beside its middle: 310 g or 1.2 kg.
+    """A bar of 40 cm, gripped 15 cm beside its middle: 310 g or 1.2 kg. What stays counts nine times in ten.
 
     Pads of 20 mm have a mean radius of 7.7 mm, by 2 mm high ones of 5.1 mm: it turns by some 90°, and slides by 12 or
     8 mm where the weight takes 0.7 of the friction. The light one takes 0.1 of 0.5; of the heavy one's 0.22 four times

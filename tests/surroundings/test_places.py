@@ -185,3 +185,17 @@ class TestHanging:
     def test_half_of_it_is_enough(self, covered: float, hangs: bool) -> None:
         screen = self.screen((-0.01, -0.01 + 0.02 * covered), (0.0, 0.06))
         assert (self.hangs_at(0.08, below=screen) > 0) == hangs
+
+
+def test_hardly_a_pixel_is_empty_where_there_is_a_surface() -> None:
+    """The top of a box, on which points lie as they fall: within a cell of 19 of 20 there are six others.
+
+    That is 10.5 in a circle on average, so a pixel of one cell would be empty with e^−3.3, one in thirty.
+    """
+    cloud, rng = on_table(bar(0.12, 0.08, 0.04)), np.random.default_rng(0)
+    scattered = np.column_stack([rng.uniform(-0.06, 0.06, 9000), rng.uniform(-0.04, 0.04, 9000), np.full(9000, 0.04)])
+    image = around(whole_of(replace(cloud, points=scattered, floor=None))).view.image
+    assert image is not None
+    inside = np.isfinite(image.ranges)[3:-3, 3:-3]
+    assert inside.size > 500
+    assert inside.mean() > 0.99
