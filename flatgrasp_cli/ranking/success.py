@@ -134,7 +134,8 @@ class Situation:
         mass = errors.density * self.shape.volume_m3 if known is None else np.full(len(errors), known)
         away = np.hypot(*(hands.where[:, :, :2].mean(axis=1) - middle).T)
         aslant = float(np.linalg.norm(down[:2]))
-        return Load(mass, arm, turn, tilt, np.hypot(away, aslant * over) + 0.5 * max(length, aslant * deep))
+        beyond = np.hypot(away, aslant * over) + 0.5 * max(length, aslant * deep)
+        return Load(mass=mass, arm=arm, turn=turn, tilt=tilt, beyond=beyond)
 
 
 def _inside(tolerances: Sequence[Tolerance | None], grasps: GraspCandidates, errors: Errors) -> BoolArray:

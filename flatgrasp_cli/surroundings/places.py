@@ -28,8 +28,8 @@ from flatgrasp_cli.surroundings.slices import Slice, slices
 from flatgrasp_cli.surroundings.view import View
 
 PIXEL_CELLS = 1.5
-"""Side of the range image's pixels, in cells of the height maps: a cell is as wide as six neighbours of a point lie
-around it, so of points that lie as they fall one pixel in 2,000 is empty; with one cell a side it would be one in 30."""
+"""Side of the range image's pixels, in cells of the height maps: a cell is as wide as the six neighbours of a point lie
+around it, so of points that lie as they fall one pixel in 2,000 is empty; if it were one cell, one in 30."""
 FINGERS_M = 0.12
 """How far around an object the height maps reach, metres: no finger of a hand that opens by 14 cm comes down farther
 out."""
