@@ -102,6 +102,25 @@ def _lean(leans: cython.double[:, ::1], grasp: cython.Py_ssize_t, missing: cytho
 @cython.cfunc
 @cython.inline
 @cython.exceptval(check=False)
+def _needed(
+    wedge: cython.double,
+    lean: cython.double,
+    grasps: cython.double[:, ::1],
+    grasp: cython.Py_ssize_t,
+    load: cython.double,
+) -> cython.double:
+    """The friction that a grasp needs whose sides squeeze the object out by a wedge and a lean, under a load.
+
+    The load pulls the same ways as they: along the approach with the lean, across the closing axis with the wedge.
+    """
+    across: cython.double = wedge + grasps[grasp, 5] * load
+    along: cython.double = lean + grasps[grasp, 4] * load
+    return sqrt(across * across + along * along)
+
+
+@cython.cfunc
+@cython.inline
+@cython.exceptval(check=False)
 def _tried(
     met: cython.double[:, :, ::1],
     grasps: cython.double[:, ::1],
@@ -124,26 +143,19 @@ def _tried(
         lean = _lean(leans, grasp, 1 - held / max(grasps[grasp, 1], usual[5]))
         lean = max(lean + samples[sample, 1] / max(0.5 * held, usual[5]), 0.0)
     wedge: cython.double = 0.0 if inside else met[3, grasp, sample]
-    need: cython.double = sqrt(wedge * wedge + lean * lean)
+    weight: cython.double = samples[sample, 2]
+    # What turns slides meanwhile, too: to stay between the pads, what it slides must be less than what they hold.
+    slide: cython.double = met[8, grasp, sample] / max(held, usual[5])
+    need: cython.double = _needed(wedge, lean, grasps, grasp, weight)
+    turned: cython.double = _needed(wedge, lean, grasps, grasp, weight * sqrt(1 + slide * slide))
+    tilts: cython.double = (met[9, grasp, sample] - held) / max(grasps[grasp, 6], usual[5])
+    stays: cython.double = around * _suffices(max(turned, tilts), usual[0], usual[1])
+    still: cython.double = around * _suffices(max(need, met[7, grasp, sample], tilts), usual[0], usual[1])
     left[grasp, 0] += beside
     left[grasp, 1] += down
     left[grasp, 2] += around
-    left[grasp, 3] += around * _suffices(need, usual[0], usual[1])
-    wedge += grasps[grasp, 5] * samples[sample, 2]
-    lean += grasps[grasp, 4] * samples[sample, 2]  # leaning walls squeeze the object out the way it is pulled
-    need = sqrt(wedge * wedge + lean * lean)
-    lifted: cython.double = around * _suffices(need, usual[0], usual[1])
-    left[grasp, 4] += lifted
-    # What turns slides meanwhile, too: to stay between the pads, what it slides must be less than what they hold.
-    slide: cython.double = met[8, grasp, sample] / max(held, usual[5])
-    more: cython.double = (sqrt(1 + slide * slide) - 1) * samples[sample, 2]
-    wedge += grasps[grasp, 5] * more
-    lean += grasps[grasp, 4] * more
-    turned: cython.double = sqrt(wedge * wedge + lean * lean)
-    tilts: cython.double = (met[9, grasp, sample] - held) / max(grasps[grasp, 6], usual[5])
-    stays: cython.double = around * _suffices(max(turned, tilts), usual[0], usual[1])
-    need = max(need, met[7, grasp, sample], tilts)
-    still: cython.double = around * _suffices(need, usual[0], usual[1])
+    left[grasp, 3] += around * _suffices(_needed(wedge, lean, grasps, grasp, 0.0), usual[0], usual[1])
+    left[grasp, 4] += around * _suffices(need, usual[0], usual[1])
     left[grasp, 5] += still + usual[3] * max(stays - still, 0.0)
 
 
