@@ -39,7 +39,7 @@ class CellGrid:
         columns = np.ascontiguousarray(points.T)  # (2, n): reductions run fast over a long last axis
         cell_m = alpha_m / CELLS_PER_ALPHA
         x, y = columns
-        raster = Raster.around(x, y, cell_m)
+        raster = Raster.around(points, cell_m)
         if raster.cell_m > cell_m:
             raise ValueError(f"cells of {cell_m} m are too many for points {np.ptp(columns, axis=1).max()} m apart")
         self.cell = raster.cells_within(x, y)

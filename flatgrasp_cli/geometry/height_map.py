@@ -47,8 +47,7 @@ class HeightMap:
     @classmethod
     def around(cls, points: FloatArray, cell_m: float, reach_m: float = 0.0) -> HeightMap:
         """An empty map of the area of `points` (n, 3) and of `reach_m` on all sides of it."""
-        x, y, _ = points.T
-        raster = Raster.around(x, y, cell_m, reach_m)
+        raster = Raster.around(points, cell_m, reach_m)
         return cls(raster, np.full(raster.shape, UNSEEN))
 
     def raised(self, points: FloatArray) -> HeightMap:

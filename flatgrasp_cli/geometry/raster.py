@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray, IntArray
+from flatgrasp_cli.geometry.extents import bounds_of
 from flatgrasp_cli.kernels import looking_up
 
 MAX_CELLS = 4_000_000
@@ -35,10 +36,10 @@ class Raster:
         return cls(low - cell_m, cell_m, (int(wide / cell_m) + 3, int(long / cell_m) + 3))
 
     @classmethod
-    def around(cls, x: FloatArray, y: FloatArray, cell_m: float, reach_m: float = 0.0) -> Raster:
-        """The raster over the area of points x and y (n,), none of which falls on the rim, and `reach_m` around it."""
+    def around(cls, points: FloatArray, cell_m: float, reach_m: float = 0.0) -> Raster:
+        """The raster over the x and y of `points` (n, …), none of which falls on the rim, and `reach_m` around them."""
         reach_m += SLACK_CELLS * cell_m
-        low, high = looking_up.box(x, y)
+        low, high = bounds_of(points[:, :2])
         return cls.over(low - reach_m, high + reach_m, cell_m)
 
     @property

@@ -21,20 +21,6 @@ def _cell(
     return cython.cast(cython.Py_ssize_t, min(max((place - low) / cell_m, 0.0), count - 1.0))
 
 
-def box(
-    x: cython.const[cython.double][:],  # type: ignore[valid-type]
-    y: cython.const[cython.double][:],  # type: ignore[valid-type]
-) -> NDArray[np.float64]:
-    """The least and the largest x and y (2, 2) of places (n,), n > 0."""
-    place: cython.Py_ssize_t
-    low_x, high_x, low_y, high_y = x[0], x[0], y[0], y[0]
-    for place in range(x.shape[0]):
-        low_x, high_x = min(low_x, x[place]), max(high_x, x[place])
-        low_y, high_y = min(low_y, y[place]), max(high_y, y[place])
-    found: NDArray[np.float64] = np.array([[low_x, low_y], [high_x, high_y]])
-    return found
-
-
 def cells(
     x: cython.double[:],
     y: cython.double[:],

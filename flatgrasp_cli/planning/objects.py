@@ -56,11 +56,12 @@ def _from_any_side(search: Search, tilted: Tilted, box: OrientedBox, found: list
     if none leaves a grasp, it is the nearest miss that says why.
     """
     cloud, settings = tilted.cloud, search.settings
-    own = oriented_box(cloud.points, cloud.toward, settings.main_plane.method)
     most_m3 = found[0].shape.volume_m3 if found and found[0].shape else np.inf
-    ways = directions(cloud, box.frame.axes[0], own, settings.approach)
     if search.between:
         ways = between(cloud, box.frame.axes[0], settings.approach)
+    else:
+        own = oriented_box(cloud.points, cloud.toward, settings.main_plane.method)
+        ways = directions(cloud, box.frame.axes[0], own, settings.approach)
     best = _best_of(search, tilted, ways, found[0] if found else None, most_m3)
     if best is not None and best.direction is not None and not search.is_enough(best):
         best = _best_of(search, tilted, beside(best.direction, cloud, settings.approach), best, most_m3)

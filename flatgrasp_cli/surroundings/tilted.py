@@ -78,7 +78,7 @@ class Tilted:
         """Points (k, 3) of the object below its rim that were hidden, down to the plane."""
         frame, cell_m = self.floor.frame, self._cell_m
         local = frame.to_local(self.cloud.points)
-        raster = Raster.around(local[:, 0], local[:, 1], cell_m)
+        raster = Raster.around(local, cell_m)
         cell = raster.cells(local[:, 0], local[:, 1])
         seen = (raster.count(cell) > 0).view(np.uint8)
         rim = (seen > 0) & (cv2.erode(seen, np.ones((3, 3), np.uint8)) == 0)

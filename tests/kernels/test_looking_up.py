@@ -26,9 +26,6 @@ def test_compiled_and_as_written_they_find_the_same(seed: int) -> None:
     column = np.clip((y - raster.origin[1]) / raster.cell_m, 0, 6).astype(np.intp)
     assert np.array_equal(cells, 7 * row + column)
     assert np.array_equal(looking_up.over(values, *where), values[row, column])
-    within = rng.uniform(-1, 1, (2, 9))
-    assert np.array_equal(looking_up.box(*within), [within.min(axis=1), within.max(axis=1)])
-    assert np.array_equal(looking_up.box(*within), twin.box(*within))
     levels = rng.uniform(-1, 2, 30)
     count, total = np.bincount(cells, minlength=63), np.bincount(cells, weights=levels, minlength=63)
     for kernel in (looking_up, twin):
