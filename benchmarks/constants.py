@@ -13,10 +13,12 @@ from __future__ import annotations
 import argparse
 import ast
 import importlib
+import math
 import os
 import pkgutil
 import signal
 import sys
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
@@ -48,8 +50,8 @@ TESTS = {
     SETTINGS: ("ranking", "planner", "surroundings", "scene", "proof/test_caging_settings", "planning/test_analytic"),
 }
 """The files and folders of tests that could notice, the quickest first."""
-SECONDS = 300
-"""A change that makes the tests run longer than this is noticed, too."""
+TIMES_AS_LONG = 3
+"""A change that makes the tests run so many times as long as they do without one is noticed, too."""
 NO_QUANTITY = {"EITHER_JAW", "PRIMES", "seed"}
 """A name, and numbers that any others would do for."""
 PASSED, FAILED, REFUSED = 0, 1, 2
@@ -135,11 +137,14 @@ def _modules() -> list[ModuleType]:
     return [module for name, module in sys.modules.items() if name.startswith("flatgrasp_cli.")]
 
 
-def end_of(room: str, number: Number | None = None, value: Any = None) -> int:
-    """How a room's tests end in a process of their own, in which the number has another value; FAILED if they don't."""
+def end_of(room: str, seconds: int = 0, number: Number | None = None, value: Any = None) -> int:
+    """How a room's tests end in a process of their own, in which the number has another value.
+
+    FAILED if they don't end within some seconds, where any are given.
+    """
     child = os.fork()
     if child == 0:
-        signal.alarm(SECONDS)
+        signal.alarm(seconds)
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, 1)
         os.dup2(nowhere, 2)
@@ -169,12 +174,16 @@ def main() -> None:
     found = [*(number for room in ROOMS for number in constants(room)), *settings_numbers()]
     chosen = [number for number in found if not wanted or {number.room, number.name} & wanted]
     chosen = [number for number in chosen if number.name not in NO_QUANTITY]
+    longest = {}
     for room in sorted({number.room for number in chosen}):
+        began = time.monotonic()
         if end_of(room) != PASSED:
             parser.error(f"the tests of {room} fail without any change")
+        longest[room] = math.ceil(TIMES_AS_LONG * (time.monotonic() - began))
     lived = 0
     for number in chosen:
-        passed = [value for value in number.changed(options.factor) if end_of(number.room, number, value) == PASSED]
+        end = partial(end_of, number.room, longest[number.room], number)
+        passed = [value for value in number.changed(options.factor) if end(value) == PASSED]
         lived += len(passed)
         for value in passed:
             print(f"{number} = {number.value}: {value} passes", flush=True)
