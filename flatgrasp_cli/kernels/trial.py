@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import cython
 import numpy as np
 from cython.cimports.libc.math import atan2, sqrt
 from numpy.typing import NDArray
 
+INFINITY = cython.declare(cython.double, math.inf)
 NARROW = cython.declare(cython.double, 1e-9)
 """Stands for a spread of 0, where what is needed is there or not."""
 
@@ -136,27 +139,28 @@ def _tried(
     held: cython.double = max(grasps[grasp, 0] - max(met[6, grasp, sample], met[4, grasp, sample]), 0.0)
     lands: cython.bint = met[0, grasp, sample] == 0 or met[1, grasp, sample] < samples[sample, 0] * grasps[grasp, 2]
     beside: cython.double = usual[2] if lands else 1.0
-    down: cython.double = beside * (1 - usual[4] * met[5, grasp, sample]) if held >= usual[5] else 0.0
+    down: cython.double = beside * (1 - usual[3] * met[5, grasp, sample]) if held >= usual[4] else 0.0
     around: cython.double = down if met[2, grasp, sample] != 0 or inside or lands else 0.0
     lean: cython.double = 0.0
     if grasps[grasp, 3] != 0:
-        lean = _lean(leans, grasp, 1 - held / max(grasps[grasp, 1], usual[5]))
-        lean = max(lean + samples[sample, 1] / max(0.5 * held, usual[5]), 0.0)
+        lean = _lean(leans, grasp, 1 - held / max(grasps[grasp, 1], usual[4]))
+        lean = max(lean + samples[sample, 1] / max(0.5 * held, usual[4]), 0.0)
     wedge: cython.double = 0.0 if inside else met[3, grasp, sample]
     weight: cython.double = samples[sample, 2]
     # What turns slides meanwhile, too: to stay between the pads, what it slides must be less than what they hold.
-    slide: cython.double = met[8, grasp, sample] / max(held, usual[5])
+    slide: cython.double = met[8, grasp, sample] / max(held, usual[4])
     need: cython.double = _needed(wedge, lean, grasps, grasp, weight)
-    turned: cython.double = _needed(wedge, lean, grasps, grasp, weight * sqrt(1 + slide * slide))
-    tilts: cython.double = (met[9, grasp, sample] - held) / max(grasps[grasp, 6], usual[5])
-    stays: cython.double = around * _suffices(max(turned, tilts), usual[0], usual[1])
-    still: cython.double = around * _suffices(max(need, met[7, grasp, sample], tilts), usual[0], usual[1])
+    turned: cython.double = INFINITY
+    if slide < INFINITY:
+        turned = _needed(wedge, lean, grasps, grasp, weight * sqrt(1 + slide * slide))
+    tilts: cython.double = (met[9, grasp, sample] - held) / max(grasps[grasp, 6], usual[4])
+    comes: cython.double = max(min(max(need, met[7, grasp, sample]), turned), tilts)
     left[grasp, 0] += beside
     left[grasp, 1] += down
     left[grasp, 2] += around
     left[grasp, 3] += around * _suffices(_needed(wedge, lean, grasps, grasp, 0.0), usual[0], usual[1])
     left[grasp, 4] += around * _suffices(need, usual[0], usual[1])
-    left[grasp, 5] += still + usual[3] * max(stays - still, 0.0)
+    left[grasp, 5] += around * _suffices(comes, usual[0], usual[1])
 
 
 def chances(
@@ -172,7 +176,8 @@ def chances(
     What the hands have `met` (10, k, s): whether the open fingers are free (1, else 0), the room between pad and
     object, whether the object is between them, the tangent of the wedge that its sides make, the height at which
     something stops the fingertips, the share of them that is dark, the height at which they would end, the friction
-    that it takes not to turn, how far what turns slides, and how high pads must be that do not let it tilt. Of `grasps`
+    that it takes not to turn, how far what turns slides, infinite where it must not, and how high pads must be that do
+    not let it tilt. Of `grasps`
     (k, 7) are known the height that their pads reach up to, how much of that they cover, how far the object goes on out
     of sight, whether there is a height at all (1, else 0), the shares of its weight that pull along the approach and
     across the closing axis, and how far apart the pads are. The walls' `leans` (k, h) are tangents for fingertips that
@@ -180,8 +185,8 @@ def chances(
     hidden is there, the walls' error, and the friction that the weight needs. Where a hand is `inside` (k, s) a basin,
     closing ends in the grasp.
 
-    What is `usual` (6,): friction, the share that it is known to, how often an object is held that a fingertip comes
-    down on and one that turns, how often something is in the dark, and the noise of heights.
+    What is `usual` (5,): friction, the share that it is known to, how often an object is held that a fingertip comes
+    down on, how often something is in the dark, and the noise of heights.
     """
     grasp: cython.Py_ssize_t
     sample: cython.Py_ssize_t

@@ -17,7 +17,8 @@ class Load(NamedTuple):
     """What p grips have to bear in s samples: `mass` (s,), kg, at `arm` (p, s), metres beside the line of the contacts.
 
     By `turn` (p, s), radians, it turns about that line until it hangs; `tilt` (p, s), metres, is the arm of its weight
-    about the pads' other axis, across the approach. `beyond` (p,) is how far the object goes on from there, metres.
+    about the pads' other axis, across the approach. `beyond` (p,) is how far the object goes on from that line, metres,
+    on the side of its middle.
     """
 
     mass: FloatArray
@@ -30,8 +31,9 @@ class Load(NamedTuple):
 class Needs(NamedTuple):
     """Friction coefficients that it takes to bear an object's weight (s,), and to keep it from turning (p, s).
 
-    `slide` (p, s), metres, is how far what turns slides through pads whose friction is √2 of what the weight takes, and
-    `tilt` (p, s), metres, how far apart, up and down, the forces of both pads move to bear the weight beside them.
+    `slide` (p, s), metres, is how far what turns slides through pads whose friction is √2 of what the weight takes,
+    infinite where it must not turn, and `tilt` (p, s), metres, how far apart, up and down, the forces of both pads move
+    to bear the weight beside them.
     """
 
     weight: FloatArray
@@ -44,8 +46,9 @@ def friction_to_lift(load: Load, force_n: float, pads: FloatArray, lift_m: float
     """The friction that p grips need in s samples, whose fingers press with `force_n` newtons.
 
     `pads` (p, 2) are the width and the height that they cover, metres. Weight: 2·μ·N ≥ m·(g + a). Turning: evenly
-    pressed pads bear the torque 2·μ·N·r, r being the mean distance from their middle; what turns nevertheless hangs
-    down from the hand, and is lifted as it should be unless it goes on for more than the lift's height `lift_m`.
+    pressed pads bear the torque 2·μ·N·r, r being the mean distance from their middle. What turns nevertheless hangs
+    down from the hand or, if it goes on for more than the lift's height `lift_m`, is left with its far end on what it
+    lay on: then its centre of gravity comes up by the share 1 − arm/beyond of the way. Less than half is not lifted.
 
     What turns slides meanwhile: a pad bears the force f and the torque τ together within the limit
     surface (f / f_max)² + (τ / (r·f_max))² = 1 and slides along its normal (Goyal, Ruina & Papadopoulos, "Planar
@@ -56,8 +59,9 @@ def friction_to_lift(load: Load, force_n: float, pads: FloatArray, lift_m: float
     bears μ·N·b besides, b being how far apart they are; what tilts further is levered out.
     """
     weight, radius = load.mass * STANDARD_GRAVITY / (2 * force_n), _mean_radius(pads)[:, None]
-    turning = np.where((load.beyond > lift_m)[:, None], weight * load.arm / radius, 0.0)
-    return Needs(STRESS * weight, turning, radius * load.turn, 2 * weight * load.tilt)
+    stays_down = (load.beyond > lift_m)[:, None] & (load.arm > 0.5 * load.beyond[:, None])
+    slide = np.where(stays_down, np.inf, radius * load.turn)
+    return Needs(STRESS * weight, weight * load.arm / radius, slide, 2 * weight * load.tilt)
 
 
 def _mean_radius(pads: FloatArray) -> FloatArray:

@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
+from flatgrasp_cli.geometry.polygon import dot, left_normal
 from flatgrasp_cli.kernels import trial as kernels
 from flatgrasp_cli.model import GraspCandidates, OpenHands, PlaneShape, Tolerance
 from flatgrasp_cli.profiles.gripper import Gripper
@@ -31,9 +32,6 @@ CAUSES = (*CLEAR, *CLOSES, *LIFTS)
 PUSHED_ASIDE = 0.8
 """How often an object is held on which a fingertip comes down with its middle: it slides off a rounded edge, or moves
 what is free to move. In simulation 96 of 121 were, of 25 objects and from all sides."""
-TURNED_HELD = 0.9
-"""How often an object counts as held that turns about the pads and does not slide out: it swings, and comes up in
-another pose. Of tries in simulation that came to that, about 30, two or three were lost."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,8 +109,7 @@ class Situation:
         noise = np.sqrt(0.5) * unsure.outline_m * errors.outline
         samples = np.column_stack([errors.luck, noise, to_lift.weight])
         friction = self.settings.balance.friction_with(self.gripper)
-        often = [PUSHED_ASIDE, TURNED_HELD, unsure.occupied_share]
-        usual = np.array([friction, unsure.friction_share, *often, NOISE_M])
+        usual = np.array([friction, unsure.friction_share, PUSHED_ASIDE, unsure.occupied_share, NOISE_M])
         return kernels.chances(met, known, grasps.lean, samples, inside.view(np.uint8), usual)
 
     def _grip_m(self, grasps: GraspCandidates) -> FloatArray:
@@ -127,15 +124,22 @@ class Situation:
         being deeper.
         """
         errors, known, down = self.errors, self.settings.caging.mass_kg, self.surroundings.down
-        *flat, deep = self.shape.box.size.tolist()
-        length, middle = max(flat), self.shape.gravity_center.place
+        length, breadth, deep = self.shape.box.size.tolist()
+        middle = self.shape.gravity_center.place
         over = 0.5 * deep - grasps.tip - 0.5 * self._grip_m(grasps)
-        arm, turn, tilt = kernels.arms(hands.where, middle + length * errors.center, over, down)
+        pulls = middle + max(length, breadth) * errors.center
+        arm, turn, tilt = kernels.arms(hands.where, pulls, over, down)
         mass = errors.density * self.shape.volume_m3 if known is None else np.full(len(errors), known)
-        away = np.hypot(*(hands.where[:, :, :2].mean(axis=1) - middle).T)
         aslant = float(np.linalg.norm(down[:2]))
-        beyond = np.hypot(away, aslant * over) + 0.5 * max(length, aslant * deep)
+        beyond = np.hypot(self._beyond(grasps), aslant * (np.abs(over) + 0.5 * deep))
         return Load(mass=mass, arm=arm, turn=turn, tilt=tilt, beyond=beyond)
+
+    def _beyond(self, grasps: GraspCandidates) -> FloatArray:
+        """How far (k,) the object's box goes on in the plane from the line through the pads, on its middle's side."""
+        beside = left_normal(grasps.axis)
+        pads = dot(grasps.center, beside)  # from the box's centre, where its frame has its origin
+        half = 0.5 * np.abs(beside) @ self.shape.box.size[:2]
+        return np.asarray(half - np.where(beside @ self.shape.gravity_center.place < pads, -pads, pads))
 
 
 def _inside(tolerances: Sequence[Tolerance | None], grasps: GraspCandidates, errors: Errors) -> BoolArray:

@@ -32,8 +32,8 @@ class Walls(NamedTuple):
     """What pads rest on at m finger candidates: heights (m,) over the plane, metres.
 
     `top` is the median over the places along the pad, `boundary` the mean of what was seen at the boundary, and `flank`
-    how much of the wall's height is only a flank. `profiles` (2, distances, m) are the heights at `INWARD_M`, medians
-    along the pad, and the same of the highest points.
+    how much of the wall's height is only a flank. `crests` (distances, m) are the highest points at `INWARD_M`, medians
+    along the pad.
     """
 
     top: FloatArray

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from flatgrasp_cli.kernels import trial
 from tests.kernels.interpreted import interpreted
 
-USUAL = np.array([0.5, 0.4, 0.5, 0.9, 0.05, 0.001])
+USUAL = np.array([0.5, 0.4, 0.5, 0.05, 0.001])
 
 
 @given(seed=st.integers(0, 999), alone=st.booleans())

@@ -38,9 +38,14 @@ def test_a_pad_bears_a_torque_with_the_arm_that_its_points_have_on_average(wide_
     assert found.slide[0, 0] == pytest.approx(arm_mm * MM * QUARTER, rel=0.01)
 
 
-def test_what_turns_and_is_short_is_lifted_all_the_same() -> None:
-    assert needs(1.0, 50.0, beyond_mm=99.0).turning[0, 0] == 0.0
-    assert needs(1.0, 50.0, beyond_mm=101.0).turning[0, 0] > 0.5
+@pytest.mark.parametrize(
+    ("arm_mm", "beyond_mm", "may_turn"), [(60, 99, True), (60, 101, False), (49, 101, True), (149, 300, True)]
+)
+def test_what_turns_and_leaves_its_far_end_down_comes_up_by_half_or_more(
+    arm_mm: float, beyond_mm: float, may_turn: bool
+) -> None:
+    """Lifted by 10 cm: what is shorter than that hangs free, all else is a lever about its far end."""
+    assert np.isfinite(needs(1.0, arm_mm, beyond_mm=beyond_mm).slide[0, 0]) == may_turn
 
 
 def test_pads_that_are_tilted_press_higher_and_lower_by_what_the_torque_takes() -> None:
