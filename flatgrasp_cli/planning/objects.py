@@ -36,7 +36,8 @@ def answer_for(cloud: ObjectCloud, search: Search) -> Answer:
     box = _box(cloud, search.settings)
     if box is None:
         return _nothing("main_plane", _no_plane(cloud.points, search.settings.scene.crop is not None))
-    whole, *slices = places(cloud, box, search.settings)
+    slices = places(cloud, box, search.settings)
+    whole = next(slices)
     if hanging := hanging_m(whole):
         reason = f"it hangs {1e3 * hanging:.0f} mm up in the air: only free space was seen below it"
         return _nothing("support", reason)

@@ -6,6 +6,7 @@ the method also runs on what stands out above each of several levels.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -24,7 +25,7 @@ from flatgrasp_cli.surroundings.alone import Alone
 from flatgrasp_cli.surroundings.interface import Surroundings
 from flatgrasp_cli.surroundings.maps import MIN_CELL_M, HeightMaps
 from flatgrasp_cli.surroundings.on_support import OnSupport
-from flatgrasp_cli.surroundings.slices import Slice, slices
+from flatgrasp_cli.surroundings.slices import Slice, lowest_tip, slices, top_of
 from flatgrasp_cli.surroundings.view import View
 
 PIXEL_CELLS = 1.5
@@ -81,14 +82,18 @@ def box_across(
     return OrientedBox.around(mean, centred, main_axes(centred, normal, axes[2], method), bottom)
 
 
-def places(cloud: ObjectCloud, box: OrientedBox, settings: PlannerSettings) -> list[Place]:
-    """The whole of an object in the main plane of its `box` and, over a support plane, the slices that stand out."""
+def places(cloud: ObjectCloud, box: OrientedBox, settings: PlannerSettings) -> Iterator[Place]:
+    """The whole of an object in the main plane of its `box` and, over a support plane, the slices that stand out.
+
+    A slice is made as it is asked for, and most objects are had well without one.
+    """
     if cloud.support is None:
-        return [Place(box, box.frame, cloud.points, Alone(settings))]
-    return _slices(cloud, box, cloud.support, settings)
+        yield Place(box, box.frame, cloud.points, Alone(settings))
+    else:
+        yield from _slices(cloud, box, cloud.support, settings)
 
 
-def _slices(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, settings: PlannerSettings) -> list[Place]:
+def _slices(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, settings: PlannerSettings) -> Iterator[Place]:
     """The whole first, in a frame whose origin is the foot of the box's centre on the support plane."""
     frame = replace(box.frame, origin=box.frame.origin - support.heights(box.frame.origin) * support.normal)
     local, obstacles = frame.to_local(cloud.points), frame.to_local(cloud.obstacles)
@@ -101,17 +106,18 @@ def _slices(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, setting
         others = others.filled(cloud.floor.levels, frame, cloud.floor.frame)
     highest = others.raised(local)
     coarse = HeightMap.of(np.concatenate([local, obstacles]), cell_m)
-    lowest, *upper = slices(local, cell_m, settings.depth)
+    lowest_m = float(lowest_tip(top_of(local[:, 2]), settings.depth))
     around = OnSupport(
-        level_m=lowest.level_m,
-        lowest_m=lowest.level_m,
+        level_m=lowest_m,
+        lowest_m=lowest_m,
         ground_m=settings.depth.min_clearance_m,
         maps=HeightMaps(surface=highest.averaged(local), rest=others, highest=highest, coarse=coarse),
         view=_view(cloud, frame, cell_m),
         settings=settings,
     )
     whole = Place(box=box, frame=frame, points=cloud.points, surroundings=around, spacing_m=spacing_m)
-    return [whole, *(above(whole, around, local, piece) for piece in upper)]
+    yield whole
+    yield from (above(whole, around, local, piece) for piece in slices(local, cell_m, settings.depth))
 
 
 def above(whole: Place, around: OnSupport, local: FloatArray, piece: Slice) -> Place:

@@ -6,6 +6,7 @@ can be gripped. So the method runs on the silhouette of what lies above each of 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import cv2
@@ -48,15 +49,14 @@ def lowest_tip(tops: FloatArray | float, settings: DepthSettings) -> FloatArray:
     return np.asarray(np.minimum(settings.table_clearance_m, share))
 
 
-def slices(local: FloatArray, cell_m: float, settings: DepthSettings) -> list[Slice]:
-    """The whole object, its pieces if there are several, and the parts of it that stand out.
+def slices(local: FloatArray, cell_m: float, settings: DepthSettings) -> Iterator[Slice]:
+    """Its pieces, if an object is several, then the parts of it that stand out, from the lowest level on.
 
     Z of `local` (n, 3) is the height over the plane. Pieces lie apart where what joins them was hidden, as a handle's
     foot behind a bowl; a silhouette is that of the largest.
     """
     top = top_of(local[:, 2])
     lowest = float(lowest_tip(top, settings))
-    found = [Slice(lowest, np.arange(len(local)))]
     chart = HeightMap.of(local, cell_m)
     cell_of = chart.raster.cells(local[:, 0], local[:, 1])
     # for each cell: how many cells the last slice that it was in has, and how many slices had about so many
@@ -78,5 +78,4 @@ def slices(local: FloatArray, cell_m: float, settings: DepthSettings) -> list[Sl
                 continue
             taken[box][part] = taken[box][part] + 1 if alike else 1
             below[box][part] = footprint
-            found.append(Slice(max(float(level), lowest), np.flatnonzero(piece == name)))
-    return found
+            yield Slice(max(float(level), lowest), np.flatnonzero(piece == name))

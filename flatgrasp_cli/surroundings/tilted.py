@@ -105,7 +105,7 @@ class Tilted:
         around, local = whole.surroundings, whole.frame.to_local(whole.points)
         if isinstance(around, Aslant):
             depth = self.settings.depth.model_copy(update={"slice_step_m": SPARSER * self.settings.depth.slice_step_m})
-            for piece in slices(local, around.maps.rest.cell_m, depth)[1:]:
+            for piece in slices(local, around.maps.rest.cell_m, depth):
                 if piece.rows[0] < len(self.cloud.points):  # else it is all body, and fingers close on what was seen
                     yield above(whole, around, local, piece)
 
