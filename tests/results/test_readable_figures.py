@@ -287,6 +287,12 @@ class TestLines:
         place = "x\N{NO-BREAK SPACE}12,\N{NO-BREAK SPACE}y\N{NO-BREAK SPACE}7\N{NO-BREAK SPACE}mm"
         assert in_lines(page, f"it ends at {place}", 1.0) == ["it ends at", place]
 
+    @pytest.mark.parametrize("unit", ["%", "mm"])
+    def test_a_number_and_its_unit_stay_on_one_line(self, page: Figure, unit: str) -> None:
+        for width_in in np.arange(0.6, 2.4, 0.05):
+            lines = in_lines(page, f"of what lies there 100 {unit} or more", width_in)
+            assert not any(line.endswith("100") for line in lines)
+
     def test_a_word_longer_than_a_line_is_cut(self, page: Figure) -> None:
         lines = in_lines(page, "a" * 60 + " end", 1.0)
         assert "".join(lines) == "a" * 60 + " end"

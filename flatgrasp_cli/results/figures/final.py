@@ -113,7 +113,7 @@ def _place(position: FloatArray) -> str:
     """A place (3,) in words that stay on one line."""
     whole = np.round(MM * position) + 0.0  # no minus before a zero
     numbers = (f"{name}{NO_BREAK}{value:.0f}" for name, value in zip("xyz", whole, strict=True))
-    return f",{NO_BREAK}".join(numbers).replace("-", "−") + f"{NO_BREAK}mm"
+    return f",{NO_BREAK}".join(numbers).replace("-", "−") + " mm"
 
 
 def _how_wide(plan: Plan, best: Grasp) -> str:

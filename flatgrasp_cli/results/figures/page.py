@@ -5,6 +5,7 @@ Panels have a fixed size, so that it is known while drawing where there is room 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -19,7 +20,7 @@ from matplotlib.font_manager import FontProperties
 from matplotlib.legend import Legend
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from flatgrasp_cli.results.figures.style import CORNER_IN, DPI, TITLE_IN, TITLE_PT, entitle
+from flatgrasp_cli.results.figures.style import CORNER_IN, DPI, NO_BREAK, TITLE_IN, TITLE_PT, entitle
 
 WIDTH_IN = 10.0
 LEFT_IN, RIGHT_IN, TOP_IN, BOTTOM_IN = 0.78, 0.2, 0.36, 0.62
@@ -35,6 +36,8 @@ SMALL = 9.0
 SMALL_PRINT, TITLE_PRINT = FontProperties(size=SMALL), FontProperties(size=TITLE_PT, weight="bold")
 TITLE_LINES = 2
 """For which there is room; a path may be longer."""
+UNIT = re.compile(r"(?<=\d) (?=(?:mm|%)(?:\W|$))")
+"""The space between a number and its unit."""
 LEAST_SIZE_MM = 1.0
 """Of a panel: drawings of a single point have no size of their own."""
 
@@ -155,7 +158,11 @@ class Page:
 
 
 def in_lines(figure: Figure, text: str, width_in: float, font: FontProperties = SMALL_PRINT) -> list[str]:
-    """Words of a figure in lines no longer than `width_in` inches; a word that is longer than that is cut."""
+    """Words of a figure in lines no longer than `width_in` inches; a word that is longer than that is cut.
+
+    A number and its unit stay on one line.
+    """
+    text = UNIT.sub(NO_BREAK, text)
     line = figure.text(0.0, 0.0, "", fontproperties=font, parse_math=False)
 
     @cache
