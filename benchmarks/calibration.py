@@ -4,10 +4,11 @@
 
 Each sample object lies on a table in so many ways. Of the grasps that `plan` lists, the first, the last and some in
 between are carried out by a floating hand, which misses at random as the settings' `uncertainty` has it; friction and
-mass are random, too. Prints how often grasps of about the same probability were held, in eight groups of as many tries,
-the expected calibration error (ECE: by how much those differ in the mean), the Brier score (of a guess that is the same
-for all beside it), and the AUC (how probably a grasp that held had the larger probability than one that did not). With
-`--out`, the table goes to a .md and its picture to a .png of that name.
+mass are random, too. It lifts by 20 cm, and holds an object whose centre of mass comes up by half of that or more.
+Prints how often grasps of about the same probability were held, in eight groups of as many tries, the expected
+calibration error (ECE: by how much those differ in the mean), the Brier score (of a guess that is the same for all
+beside it), and the AUC (how probably a grasp that held had the larger probability than one that did not). With `--out`,
+the table goes to a .md and its picture to a .png of that name.
 """
 
 from __future__ import annotations
@@ -42,6 +43,8 @@ GROUPS, RANKS = 8, 5
 """Groups of grasps in the table, and grasps of a scene that are tried."""
 LIGHTEST, HEAVIEST = 0.5, 2.0
 """The mass is random between these multiples of the object's own."""
+LIFT_M = 0.2
+"""As high as things are long that hands hold."""
 UNSURE = Uncertainty()
 
 
@@ -66,7 +69,8 @@ def cell_of(gripper: str, seed: int, friction: float, *, missing: bool) -> Cell:
         miss_deg=UNSURE.yaw_deg if missing else 0.0,
         seed=seed,
     )
-    return Cell(Job(hand, load_settings(), workcell(None, None, None), top=30), conditions)
+    settings = load_settings("default", (f"depth.lift_m={LIFT_M}",))
+    return Cell(Job(hand, settings, workcell(None, None, None), top=30), conditions)
 
 
 def outcomes(gripper: str, thing: Thing, scenes: int, tries: int) -> Iterator[Outcome]:
@@ -93,7 +97,9 @@ def _held(cell: Cell, thing: Thing, trial: Trial, grasp: Grasp, rng: np.random.G
     world.reset(cell.parked(look), cell.gripper.max_opening_m)
     world.put(0, trial.place.position, Rotation.from_quat(trial.place.orientation))
     world.settle(0.2)
-    return carried_out(cell, world, look, rng, grasp).status == "held"
+    low = world.centers()[0, 2]
+    done = carried_out(cell, world, look, rng, grasp)
+    return done.status == "held" and bool(world.centers()[0, 2] - low > 0.5 * LIFT_M)
 
 
 def table(found: list[Outcome]) -> tuple[str, FloatArray]:

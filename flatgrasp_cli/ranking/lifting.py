@@ -47,8 +47,9 @@ def friction_to_lift(load: Load, force_n: float, pads: FloatArray, lift_m: float
 
     `pads` (p, 2) are the width and the height that they cover, metres. Weight: 2·μ·N ≥ m·(g + a). Turning: evenly
     pressed pads bear the torque 2·μ·N·r, r being the mean distance from their middle. What turns nevertheless hangs
-    down from the hand or, if it goes on for more than the lift's height `lift_m`, is left with its far end on what it
-    lay on: then its centre of gravity comes up by the share 1 − arm/beyond of the way. Less than half is not lifted.
+    down from the hand: its centre of gravity comes up by the arm less than the lift's height `lift_m`. If it goes on
+    for more than that, its far end stays where it lay, and the centre comes up by the share 1 − arm/beyond of the lift.
+    What comes up by less than half is not lifted.
 
     What turns slides meanwhile: a pad bears the force f and the torque τ together within the limit
     surface (f / f_max)² + (τ / (r·f_max))² = 1 and slides along its normal (Goyal, Ruina & Papadopoulos, "Planar
@@ -59,7 +60,7 @@ def friction_to_lift(load: Load, force_n: float, pads: FloatArray, lift_m: float
     bears μ·N·b besides, b being how far apart they are; what tilts further is levered out.
     """
     weight, radius = load.mass * STANDARD_GRAVITY / (2 * force_n), _mean_radius(pads)[:, None]
-    stays_down = (load.beyond > lift_m)[:, None] & (load.arm > 0.5 * load.beyond[:, None])
+    stays_down = load.arm > 0.5 * np.maximum(load.beyond, lift_m)[:, None]
     slide = np.where(stays_down, np.inf, radius * load.turn)
     return Needs(STRESS * weight, weight * load.arm / radius, slide, 2 * weight * load.tilt)
 
