@@ -177,13 +177,12 @@ def chances(
     object, whether the object is between them, the tangent of the wedge that its sides make, the height at which
     something stops the fingertips, the share of them that is dark, the height at which they would end, the friction
     that it takes not to turn, how far what turns slides, infinite where it must not, and how high pads must be that do
-    not let it tilt. Of `grasps`
-    (k, 7) are known the height that their pads reach up to, how much of that they cover, how far the object goes on out
-    of sight, whether there is a height at all (1, else 0), the shares of its weight that pull along the approach and
-    across the closing axis, and how far apart the pads are. The walls' `leans` (k, h) are tangents for fingertips that
-    end where they should, and higher by equal shares of the grip. Of `samples` (s, 3) are known how much of what is
-    hidden is there, the walls' error, and the friction that the weight needs. Where a hand is `inside` (k, s) a basin,
-    closing ends in the grasp.
+    not let it tilt. Of `grasps` (k, 7) are known the height that their pads reach up to, how much of that they cover,
+    how far the object goes on out of sight, whether there is a height at all (1, else 0), the shares of its weight that
+    pull along the approach and across the closing axis, and how far apart the pads are. The walls' `leans` (k, h) are
+    tangents for fingertips that end where they should, and higher by equal shares of the grip. Of `samples` (s, 3) are
+    known how much of what is hidden is there, the walls' error, and the friction that the weight needs. Where a hand is
+    `inside` (k, s) a basin, closing ends in the grasp.
 
     What is `usual` (5,): friction, the share that it is known to, how often an object is held that a fingertip comes
     down on, how often something is in the dark, and the noise of heights.

@@ -60,8 +60,8 @@ def friction_to_lift(load: Load, force_n: float, pads: FloatArray, lift_m: float
     bears μ·N·b besides, b being how far apart they are; what tilts further is levered out.
     """
     weight, radius = load.mass * STANDARD_GRAVITY / (2 * force_n), _mean_radius(pads)[:, None]
-    stays_down = load.arm > 0.5 * np.maximum(load.beyond, lift_m)[:, None]
-    slide = np.where(stays_down, np.inf, radius * load.turn)
+    too_low = load.arm > 0.5 * np.maximum(load.beyond, lift_m)[:, None]
+    slide = np.where(too_low, np.inf, radius * load.turn)
     return Needs(STRESS * weight, weight * load.arm / radius, slide, 2 * weight * load.tilt)
 
 

@@ -106,6 +106,13 @@ class TestSlices:
         assert lowest_tip(top_mm * MM, DEPTH) == pytest.approx(tip_mm * MM)
 
 
+def test_the_whole_comes_first_with_all_points_from_the_lowest_tip_on() -> None:
+    cloud = on_table(BAR)
+    whole = whole_of(cloud)
+    assert len(whole.points) == len(cloud.points)
+    assert around(whole).level_m == DEPTH.table_clearance_m
+
+
 class TestMaps:
     """Of a bar 40 mm high on the table."""
 
