@@ -92,6 +92,44 @@ def going_on(
     return found
 
 
+def free_below(
+    chords: cython.double[:, ::1],
+    inward: cython.double,
+    along: cython.double[::1],
+    tops: cython.double[::1],
+    step: cython.double,
+    eye: cython.double[:, ::1],
+    pixels: cython.double[::1],
+    ranges: cython.double[:, ::1],
+    ground: cython.double[:, ::1],
+    cells: cython.double[::1],
+    levels: cython.double[:, ::1],
+    behind: cython.double[::1],
+) -> NDArray[np.float64]:
+    """Up to which height (m,) from the plane on nothing stands before each of `chords` (m, 6), at most its `tops` (m,).
+
+    It is looked so far `inward` of the chord, in steps of that height: places are free that are not hidden, and at
+    most of those at a height, shares `along` (a,) the chord. Other arguments are those of `hidden`.
+    """
+    chord: cython.Py_ssize_t
+    place: cython.Py_ssize_t
+    found = np.empty(chords.shape[0])
+    free: cython.double[::1] = found
+    for chord in range(chords.shape[0]):
+        free[chord] = 0.0
+        while free[chord] < tops[chord]:
+            may: cython.Py_ssize_t = 0
+            for place in range(along.shape[0]):
+                x: cython.double = chords[chord, 0] + along[place] * chords[chord, 2] + inward * chords[chord, 4]
+                y: cython.double = chords[chord, 1] + along[place] * chords[chord, 3] + inward * chords[chord, 5]
+                z: cython.double = free[chord] + 0.5 * step
+                may += _hides(x, y, z, eye, pixels, ranges, ground, cells, levels, behind)
+            if 2 * may > along.shape[0]:
+                break
+            free[chord] += step
+    return found
+
+
 @cython.cfunc
 @cython.inline
 @cython.exceptval(check=False)

@@ -48,7 +48,8 @@ def arms(
 
     It pulls at `pulls` (s, 2), by `over` (k,) higher than the pads, and `down` (3,) is where things fall. The arm is
     that about the line through the pads, and by the angle it would turn about that until its weight pulls straight
-    away from them; the tilt is the arm about the pads' other axis, along the plane.
+    away from them; the tilt is the arm about the pads' other axis, along the plane, above 0 on the side to which the
+    closing axis points.
     """
     grasp: cython.Py_ssize_t
     sample: cython.Py_ssize_t
@@ -66,7 +67,7 @@ def arms(
             along: cython.double = down[0] * ux + down[1] * uy
             load[0, grasp, sample] = abs(down[2] * beside + over[grasp] * aside)
             load[1, grasp, sample] = atan2(load[0, grasp, sample], down[2] * over[grasp] - aside * beside)
-            load[2, grasp, sample] = abs(down[2] * between - over[grasp] * along)
+            load[2, grasp, sample] = over[grasp] * along - down[2] * between
     return found
 
 
@@ -124,6 +125,17 @@ def _needed(
 @cython.cfunc
 @cython.inline
 @cython.exceptval(check=False)
+def _foot(
+    grasps: cython.double[:, ::1], grasp: cython.Py_ssize_t, side: cython.Py_ssize_t, luck: cython.double
+) -> cython.double:
+    """The height at which a grasp's wall on a side, 0 or 1, ends below: the lower, the more is there of what may be."""
+    low, high = grasps[grasp, 7 + 2 * side], grasps[grasp, 8 + 2 * side]
+    return high - luck * (high - low)
+
+
+@cython.cfunc
+@cython.inline
+@cython.exceptval(check=False)
 def _tried(
     met: cython.double[:, :, ::1],
     grasps: cython.double[:, ::1],
@@ -141,10 +153,18 @@ def _tried(
     beside: cython.double = usual[2] if lands else 1.0
     down: cython.double = beside * (1 - usual[3] * met[5, grasp, sample]) if held >= usual[4] else 0.0
     around: cython.double = down if met[2, grasp, sample] != 0 or inside or lands else 0.0
+    width: cython.double = max(grasps[grasp, 6], usual[4])
     lean: cython.double = 0.0
+    high: cython.double = held
     if grasps[grasp, 3] != 0:
         lean = _lean(leans, grasp, 1 - held / max(grasps[grasp, 1], usual[4]))
         lean = max(lean + samples[sample, 1] / max(0.5 * held, usual[4]), 0.0)
+        one: cython.double = _foot(grasps, grasp, 0, samples[sample, 0])
+        other: cython.double = _foot(grasps, grasp, 1, samples[sample, 0])
+        # Pads that meet no part of both walls at one height push along a line that is as far from level.
+        lean += max(max(one, other) - grasps[grasp, 0], 0.0) / width
+        # Against tilting they push high up at the end that goes down, and low down at the other one.
+        high = min(high, grasps[grasp, 0] - (one if met[9, grasp, sample] > 0 else other))
     wedge: cython.double = 0.0 if inside else met[3, grasp, sample]
     weight: cython.double = samples[sample, 2]
     # What turns slides meanwhile, too: to stay between the pads, what it slides must be less than what they hold.
@@ -153,7 +173,7 @@ def _tried(
     turned: cython.double = INFINITY
     if slide < INFINITY:
         turned = _needed(wedge, lean, grasps, grasp, weight * sqrt(1 + slide * slide))
-    tilts: cython.double = (met[9, grasp, sample] - held) / max(grasps[grasp, 6], usual[4])
+    tilts: cython.double = (abs(met[9, grasp, sample]) - high) / width
     comes: cython.double = max(min(max(need, met[7, grasp, sample]), turned), tilts)
     left[grasp, 0] += beside
     left[grasp, 1] += down
@@ -177,12 +197,13 @@ def chances(
     object, whether the object is between them, the tangent of the wedge that its sides make, the height at which
     something stops the fingertips, the share of them that is dark, the height at which they would end, the friction
     that it takes not to turn, how far what turns slides, infinite where it must not, and how high pads must be that do
-    not let it tilt. Of `grasps` (k, 7) are known the height that their pads reach up to, how much of that they cover,
-    how far the object goes on out of sight, whether there is a height at all (1, else 0), the shares of its weight that
-    pull along the approach and across the closing axis, and how far apart the pads are. The walls' `leans` (k, h) are
-    tangents for fingertips that end where they should, and higher by equal shares of the grip. Of `samples` (s, 3) are
-    known how much of what is hidden is there, the walls' error, and the friction that the weight needs. Where a hand is
-    `inside` (k, s) a basin, closing ends in the grasp.
+    not let it tilt, with the sign of the tilt. Of `grasps` (k, 11) are known the height that their pads reach up to,
+    how much of that they cover, how far the object goes on out of sight, whether there is a height at all (1, else 0),
+    the shares of its weight that pull along the approach and across the closing axis, how far apart the pads are, and
+    between which heights the walls end below, first that at which the closing axis begins. The walls' `leans` (k, h)
+    are tangents for fingertips that end where they should, and higher by equal shares of the grip. Of `samples` (s, 3)
+    are known how much of what is hidden is there, the walls' error, and the friction that the weight needs. Where a
+    hand is `inside` (k, s) a basin, closing ends in the grasp.
 
     What is `usual` (5,): friction, the share that it is known to, how often an object is held that a fingertip comes
     down on, how often something is in the dark, and the noise of heights.

@@ -112,19 +112,19 @@ def faces(
     level: cython.double,
     near: cython.Py_ssize_t,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Rows top and boundary (2, m) of the walls before m chords; their crests (d, m); and means (d, m).
+    """Rows top, boundary and foot (3, m) of the walls before m chords; their crests (d, m); and means (d, m).
 
-    The first `near` of the distances `inward` (d,) can show the wall's top, the median along the pad, and are its
-    boundary, a mean: the `level` where nothing was seen. Crests are medians of the `highest` points, 0 where nothing
-    was seen; means are those of `profile`.
+    The first `near` of the distances `inward` (d,) can show the wall's top and foot, medians along the pad, and are its
+    boundary, a mean: the `level` where nothing was seen. The mean of an upright face is halfway between its ends.
+    Crests are medians of the `highest` points, 0 where nothing was seen; means are those of `profile`.
     """
     chord: cython.Py_ssize_t
     step: cython.Py_ssize_t
     place: cython.Py_ssize_t
     seen: cython.double[:, ::1] = np.empty((2, along.shape[0]))
     pad: cython.double[::1] = np.empty(along.shape[0])
-    tops: cython.double[::1] = np.empty(along.shape[0])
-    figures = np.empty((2, chords.shape[0]))
+    ends: cython.double[:, ::1] = np.empty((2, along.shape[0]))
+    figures = np.empty((3, chords.shape[0]))
     crests, means = np.empty((2, inward.shape[0], chords.shape[0]))
     wall: cython.double[:, ::1] = figures
     mean: cython.double[:, ::1] = means
@@ -132,7 +132,7 @@ def faces(
     for chord in range(chords.shape[0]):
         count: cython.double = 0.0
         total: cython.double = 0.0
-        tops[:] = UNSEEN
+        ends[0], ends[1] = UNSEEN, -UNSEEN
         for step in range(inward.shape[0]):
             _look(chords, chord, inward[step], along, surface, highest, grid, seen)
             mean[step, chord] = _mean(seen, 1)
@@ -140,13 +140,15 @@ def faces(
                 pad[place] = seen[1, place] if seen[0, place] > UNSEEN else 0.0
             crest[step, chord] = _median(pad)
             for place in range(along.shape[0] if step < near else 0):
-                tops[place] = max(tops[place], seen[0, place])
+                ends[0, place] = max(ends[0, place], seen[0, place])
                 if seen[0, place] > UNSEEN:
                     count += 1.0
                     total += seen[0, place]
+                    ends[1, place] = min(ends[1, place], 2 * seen[0, place] - seen[1, place])
         for place in range(along.shape[0]):
-            tops[place] = tops[place] if tops[place] > UNSEEN else level
-        wall[0, chord] = _median(tops)
+            ends[0, place] = ends[0, place] if ends[0, place] > UNSEEN else level
+            ends[1, place] = min(ends[1, place], ends[0, place])
+        wall[0, chord], wall[2, chord] = _median(ends[0]), _median(ends[1])
         wall[1, chord] = total / count if count > 0 else level
     return figures, crests, means
 

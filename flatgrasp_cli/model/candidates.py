@@ -64,7 +64,7 @@ class GraspCandidates(Table):
     `hidden` (p, 2) is how far the object at most goes on behind each pad's side, out of sight; by half of that the pads
     stand beyond where it was seen to end. `lean` (p, h) are the tangents of the angles by which both walls together
     lean away from upright, half and half: for fingertips where they should end, and for such that end higher by equal
-    shares of the grip.
+    shares of the grip. `feet` (p, 2, 2) are the least and the greatest height at which i's and j's wall end below.
 
     C: `gravity_distance`, and the `inside_share` of the grasping line that lies in the object.
 
@@ -96,6 +96,7 @@ class GraspCandidates(Table):
     touch: FloatArray = field(default_factory=_unfilled)
     hidden: FloatArray = field(default_factory=_unfilled)
     lean: FloatArray = field(default_factory=_unfilled)
+    feet: FloatArray = field(default_factory=_unfilled)
     gravity_distance: FloatArray = field(default_factory=_unfilled)
     inside_share: FloatArray = field(default_factory=_unfilled)
     merit: FloatArray = field(default_factory=_unfilled)

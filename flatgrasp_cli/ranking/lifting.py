@@ -17,8 +17,8 @@ class Load(NamedTuple):
     """What p grips have to bear in s samples: `mass` (s,), kg, at `arm` (p, s), metres beside the line of the contacts.
 
     By `turn` (p, s), radians, it turns about that line until it hangs; `tilt` (p, s), metres, is the arm of its weight
-    about the pads' other axis, across the approach. `beyond` (p,) is how far the object goes on from that line, metres,
-    on the side of its middle.
+    about the pads' other axis, across the approach, above 0 on the side that the closing axis points to. `beyond` (p,)
+    is how far the object goes on from that line, metres, on the side of its middle.
     """
 
     mass: FloatArray
@@ -33,7 +33,7 @@ class Needs(NamedTuple):
 
     `slide` (p, s), metres, is how far what turns slides through pads whose friction is √2 of what the weight takes,
     infinite where it must not turn, and `tilt` (p, s), metres, how far apart, up and down, the forces of both pads move
-    to bear the weight beside them.
+    to bear the weight beside them, with the sign of the load's.
     """
 
     weight: FloatArray

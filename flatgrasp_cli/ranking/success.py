@@ -105,7 +105,8 @@ class Situation:
         hidden, has_height = grasps.hidden.max(axis=1), ~np.isnan(grasps.grip)
         down, across = self.surroundings.down, grasps.axis[:, ::-1] * [1.0, -1.0]
         pulls = np.full(len(grasps), abs(down[2])), np.abs(across @ down[:2])
-        known = np.column_stack([grasps.tip + grip_m, grip_m, hidden, has_height, *pulls, grasps.width])
+        feet = grasps.feet.reshape(-1, 4)
+        known = np.column_stack([grasps.tip + grip_m, grip_m, hidden, has_height, *pulls, grasps.width, feet])
         noise = np.sqrt(0.5) * unsure.outline_m * errors.outline
         samples = np.column_stack([errors.luck, noise, to_lift.weight])
         friction = self.settings.balance.friction_with(self.gripper)

@@ -63,7 +63,15 @@ class Alone:
         grasps = grasps.select(kept)
         level, unknown = np.zeros(len(grasps)), np.full(len(grasps), np.nan)
         margin = 0.5 * (grasps.opening - grasps.width)
-        return grasps.having(tip=level, grip=unknown, margin=margin, unseen=unknown, touch=level, lean=level[:, None])
+        return grasps.having(
+            tip=level,
+            grip=unknown,
+            margin=margin,
+            unseen=unknown,
+            touch=level,
+            lean=level[:, None],
+            feet=np.zeros((len(grasps), 2, 2)),
+        )
 
     def stopped(self, hands: OpenHands, _gripper: Gripper, /) -> Stops:
         """Nothing: the way to an object alone is free, and all of it was seen."""

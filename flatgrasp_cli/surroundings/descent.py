@@ -54,12 +54,11 @@ def descended(
     held = _held(fingers, grasps, around, gripper)
     lowest = np.minimum(around.lowest_m, lowest_tip(held.firm, depth))
     lowest = np.maximum(lowest, around.level_m - depth.slice_step_m)  # what lies deeper is for a lower slice
-    headroom = gripper.finger_length_m - depth.palm_clearance_m
-    openings = grasps.width + 2 * margins
+    headroom, openings = gripper.finger_length_m - depth.palm_clearance_m, grasps.width + 2 * margins
     palm = under_palm(grasps.hands, openings, maps.coarse, float(lowest.min()) + headroom, gripper)
     tips = _tips(below, np.concatenate([palm, palm[:-1]]) - headroom, lowest, held, around)
     widest, choice = _widest(tips[:MARGINS]), _roomiest(tips)
-    columns = np.arange(len(grasps))
+    columns, pairs = np.arange(len(grasps)), np.stack([grasps.i, grasps.j])
     tip = tips[choice, columns]
 
     def miss(value: float) -> Miss:
@@ -81,7 +80,8 @@ def descended(
         margin=margins[widest, columns],
         unseen=unseen[choice, columns],
         touch=np.clip(held.seen, tip, np.maximum(held.wall, tip)),
-        lean=held.found.lean(np.stack([grasps.i, grasps.j]), tip, held.wall),
+        lean=held.found.lean(pairs, tip, held.wall),
+        feet=held.found.feet(pairs, tip),
     ).select(kept)
     room = palm_room(grasps, maps.coarse, headroom, gripper, settings.hand)
     grasps = grasps.having(margin=np.minimum(grasps.margin, room), palm_room=room)
@@ -91,7 +91,7 @@ def descended(
 def _held(fingers: FingerCandidates, grasps: GraspCandidates, around: Relief, gripper: Gripper) -> _Upright:
     """What the pairs hold, by the walls at both of their finger candidates."""
     friction = around.settings.balance.friction_with(gripper)
-    found = walls(fingers, around.maps.surface, around.maps.highest, around.level_m, friction)
+    found = walls(fingers, around.maps.surface, around.envelope, around.level_m, friction)
     wall = np.minimum(found.top[grasps.i], found.top[grasps.j])
     # Between two flanks the object slips out; if one side is upright, the other may be slanted.
     firm = wall - np.minimum(found.flank[grasps.i], found.flank[grasps.j])

@@ -2,7 +2,7 @@
 
 Where something was seen, the surface is there or, along another direction than the sensor's, before it. Where nothing
 was, it may be as low as the support plane. It is no higher than the lowest ray that passed: behind an object that is
-the top of its shadow.
+the top of its shadow. Where rays passed below it, below a rim, there is nothing.
 """
 
 from __future__ import annotations
@@ -39,3 +39,13 @@ class Envelope:
         return kernels.going_on(
             chords, out, along, levels, self.lowest.heights, self.lowest.grid, *self.view.rays, self.view.behind
         )
+
+    def free_below(self, tops: FloatArray, chords: FloatArray, inward_m: float, along: FloatArray) -> FloatArray:
+        """Up to which height (m,) from the plane on rays show nothing below `tops` (m,), `inward_m` of `chords` (m, 6).
+
+        That is so at most of the places, shares `along` (a,) the chord.
+        """
+        if self.view.rays is None:
+            return np.zeros(len(chords))
+        step_m = self.lowest.cell_m
+        return kernels.free_below(chords, inward_m, along, tops, step_m, *self.view.rays, self.view.behind)

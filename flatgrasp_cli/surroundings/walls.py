@@ -11,6 +11,7 @@ from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.geometry.lines import fitted_lines
 from flatgrasp_cli.kernels import walls as kernels
 from flatgrasp_cli.model import FingerCandidates
+from flatgrasp_cli.surroundings.envelope import Envelope
 from flatgrasp_cli.surroundings.maps import NOISE_M
 
 INWARD_M = np.array([0.001, 0.002, 0.003, 0.004, 0.005, 0.007, 0.009])
@@ -23,6 +24,8 @@ LEAST_SLOPE = 0.5
 """A surface that rises less steeply than this, height over breadth (27°), is the object's top."""
 ALONG_PAD = np.array([-0.4, -0.2, 0.0, 0.2, 0.4])
 """Places along a pad, in widths of it: the ends are left out, for the silhouette bends away there."""
+BELOW_M = 0.003
+"""How far inward of a chord it is looked below a rim, metres: so much rays pass of what a cell of the maps blurs."""
 RAISED = 4
 """Heights of the fingertips, from where they should be up to a wall's top, that its lean is told for: what they miss by
 is a fraction of the grip as a rule."""
@@ -33,13 +36,15 @@ class Walls(NamedTuple):
 
     `top` is the median over the places along the pad, `boundary` the mean of what was seen at the boundary, and `flank`
     how much of the wall's height is only a flank. `crests` (distances, m) are the highest points at `INWARD_M`, medians
-    along the pad.
+    along the pad. `foot` is how far down the wall was seen, and `free` up to where rays passed below it.
     """
 
     top: FloatArray
     boundary: FloatArray
     flank: FloatArray
     crests: FloatArray
+    foot: FloatArray
+    free: FloatArray
 
     def lean(self, pairs: IntArray, tip: FloatArray, top: FloatArray) -> FloatArray:
         """Tangents (p, RAISED) of the angle by which the walls of `pairs` (2, p) lean, over the lower half of the grip.
@@ -50,6 +55,16 @@ class Walls(NamedTuple):
         """
         found: FloatArray = kernels.leans(self.crests, INWARD_M, pairs, tip, top, RAISED, NOISE_M)
         return found
+
+    def feet(self, pairs: IntArray, tip: FloatArray) -> FloatArray:
+        """Between which heights (p, 2, 2), the lower first, the walls of `pairs` (2, p) end below: a rim overhangs.
+
+        It does if rays passed below it higher up than where the fingertips end, at `tip` (p,). Otherwise a wall goes
+        down to those, seen or not.
+        """
+        free, foot = self.free[pairs], self.foot[pairs]
+        bounds = np.stack([np.minimum(free, foot), foot], axis=-1)
+        return np.ascontiguousarray(np.where((free > tip)[..., None], bounds, tip[:, None]).swapaxes(0, 1))
 
 
 def chords_of(fingers: FingerCandidates) -> FloatArray:
@@ -78,16 +93,21 @@ def upright(fingers: FingerCandidates, rest: HeightMap, level_m: float, wall_dro
     return np.asarray(steep.mean(axis=(0, 1)) >= 0.5)
 
 
-def walls(fingers: FingerCandidates, surface: HeightMap, highest: HeightMap, level_m: float, friction: float) -> Walls:
+def walls(fingers: FingerCandidates, surface: HeightMap, envelope: Envelope, level_m: float, friction: float) -> Walls:
     """The walls before m candidates, from the mean heights of the `surface`; the slice's level where nothing was seen.
 
     What rises inward less steeply than 1/μ is a flank, and only its height at the boundary is a wall. The slope is that
-    of the `highest` points, for the mean height of an upright face is half of its own.
+    of the highest points, for the mean height of an upright face is half of its own.
     """
-    maps = surface.heights, highest.heights, surface.grid
-    (top, boundary), crests, means = kernels.faces(chords_of(fingers), INWARD_M, ALONG_PAD, *maps, level_m, WALL_PLACES)
+    chords, maps = chords_of(fingers), (surface.heights, envelope.lowest.heights, surface.grid)
+    (top, boundary, foot), crests, means = kernels.faces(chords, INWARD_M, ALONG_PAD, *maps, level_m, WALL_PLACES)
     _, slope = fitted_lines(INWARD_M, means.T)
     flank = (slope > LEAST_SLOPE) & (slope < 1 / friction)
     return Walls(
-        top=top, boundary=boundary, flank=np.where(flank, slope * INWARD_M[WALL_PLACES - 1], 0.0), crests=crests
+        top=top,
+        boundary=boundary,
+        flank=np.where(flank, slope * INWARD_M[WALL_PLACES - 1], 0.0),
+        crests=crests,
+        foot=foot,
+        free=envelope.free_below(top, chords, BELOW_M, ALONG_PAD),
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -50,7 +51,16 @@ def test_something_goes_on_as_far_as_most_places_beyond_a_chord_are_hidden(seed:
     chords, out, along = rng.uniform(-0.2, 0.2, (8, 6)), 0.05 * np.arange(6.0), np.array([-0.3, 0.0, 0.4])
     found = sight.going_on(chords, out, along, np.full(len(chords), 0.1), lowest, PIXELS, *rays)
     assert np.array_equal(found, twin.going_on(chords, out, along, np.full(len(chords), 0.1), lowest, PIXELS, *rays))
+    tops = rng.uniform(0, 0.5, len(chords))
+    free = sight.free_below(chords, 0.1, along, tops, 0.06, *rays)
+    assert np.array_equal(free, twin.free_below(chords, 0.1, along, tops, 0.06, *rays))
     for row, (cx, cy, ax, ay, ux, uy) in enumerate(chords):
+        x, y, z = np.broadcast_arrays(
+            cx + along * ax + 0.1 * ux, cy + along * ay + 0.1 * uy, np.arange(0, 0.5, 0.06)[:, None]
+        )
+        hides = sight.hidden(np.stack([x.ravel(), y.ravel(), z.ravel() + 0.03]), *rays).reshape(x.shape)
+        steps = np.logical_and.accumulate((2 * hides.sum(axis=1) < 3) & (z[:, 0] < tops[row])).sum()
+        assert free[row] == pytest.approx(0.06 * steps)
         x, y = cx + along * ax - out[:, None] * ux, cy + along * ay - out[:, None] * uy
         cell = np.clip([(x + 0.5) / 0.1, (y + 0.5) / 0.1], 0, 9).astype(np.intp)
         hides = sight.hidden(np.stack([x.ravel(), y.ravel(), np.full(x.size, 0.1)]), *rays).reshape(x.shape)

@@ -82,6 +82,7 @@ def grasp(width_mm: float, opening_mm: float, **columns: Any) -> GraspCandidates
         "tip": 5 * MM,
         "grip": 20 * MM,
         "lean": 0.0,
+        "feet": np.full((1, 2, 2), 5 * MM),
         "hidden": np.zeros((1, 2)),
         "gravity_distance": 0.0,
     }

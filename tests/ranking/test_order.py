@@ -52,6 +52,7 @@ def along_a_bar(length_mm: float) -> GraspCandidates:
     return grasps.having(
         middle=places,
         lean=np.zeros((100, 1)),
+        feet=np.zeros((100, 2, 2)),
         hidden=np.zeros((100, 2)),
         unseen=np.zeros(100),
         gravity_distance=np.abs(places[:, 0]),

@@ -148,6 +148,31 @@ class TestByHand:
         deep = Situation(shape_of(BAR, 0.4), Around(fall=fall), HAND, settings)
         assert chance(deep, grasp(40, 60)) == pytest.approx(held)
 
+    @pytest.mark.parametrize(("raised", "held"), [(0, 0.0), (1, 1.0)], ids=["goes up", "goes down"])
+    def test_a_rim_at_the_end_that_goes_up_is_not_pressed_low_down(self, raised: int, held: float) -> None:
+        """The one of 650 kg/m³, whose wall on that side ends at its top: friction has to bear it all, 0.92."""
+        feet = np.full((1, 2, 2), 5 * MM)
+        feet[0, raised] = 25 * MM
+        settings, around = unsure("density_kg_m3=[650,650]"), Around(fall=(0.0, 1.0, 0.0))
+        deep = Situation(shape_of(BAR, 0.4), around, HAND, settings)
+        assert chance(deep, grasp(40, 60, feet=feet)) == pytest.approx(held)
+
+    @pytest.mark.parametrize("side", [0, 1])
+    @pytest.mark.parametrize(("low_mm", "high_mm", "held"), [(25, 25, 1.0), (45, 45, 0.5), (25, 45, 0.9)])
+    def test_a_rim_above_the_other_wall_is_pushed_aslant(
+        self, side: int, low_mm: float, high_mm: float, held: float
+    ) -> None:
+        """Pads 40 mm apart that push 20 mm higher on one side need a friction of 0.5 there; there is 0.3 to 0.7.
+
+        Of a rim that ends anywhere in these 20 mm, friction bears the lower 12 mm surely, and three quarters of the
+        rest.
+        """
+        feet = np.full((1, 2, 2), 5 * MM)
+        feet[0, side] = low_mm * MM, high_mm * MM
+        found = situation(BAR, unsure("friction_share=0.4")).tried(grasp(40, 60, feet=feet))
+        assert found.probability[0] == pytest.approx(held, abs=0.01)
+        assert found.causes[0, CAUSES.index("slips")] == pytest.approx(1 - found.probability[0], abs=1e-3)
+
     @pytest.mark.parametrize("dark", [0.0, 0.5, 1.0])
     def test_what_was_not_seen_may_be_there(self, dark: float) -> None:
         found = chance(situation(BAR, unsure("occupied_share=0.2"), Around(dark=dark)), grasp(40, 60))

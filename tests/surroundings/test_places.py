@@ -10,9 +10,13 @@ import pytest
 from flatgrasp_cli import load_settings
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import ObjectCloud
+from flatgrasp_cli.scene import segment
+from flatgrasp_cli.sensor import located
 from flatgrasp_cli.surroundings import OnSupport, Place, box_on, hanging_m, places
 from flatgrasp_cli.surroundings.slices import lowest_tip, slices, top_of
-from tests.by_hand import MM, bar, on_table
+from flatgrasp_cli.surroundings.walls import walls
+from tests.by_hand import MM, bar, candidates, on_table
+from tests.conftest import TABLE, Box, Camera
 
 SETTINGS = load_settings()
 DEPTH = SETTINGS.depth
@@ -36,6 +40,26 @@ def block_of(size: tuple[float, float, float], center: tuple[float, float, float
     """Points (n, 3) that fill a box."""
     axes = [c + np.arange(-0.5 * s, 0.5 * s + 1e-9, pitch_m) for s, c in zip(size, center, strict=True)]
     return np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 3)
+
+
+@pytest.mark.parametrize(
+    ("leg_m", "near_mm"), [(0.02, (26.8, 40)), (0.118, (5, 5))], ids=["a board on a leg", "a block"]
+)
+def test_rays_that_pass_below_a_rim_show_that_it_overhangs(leg_m: float, near_mm: tuple[float, float]) -> None:
+    """A board of 12 × 12 × 0.8 cm, 4 cm high. Seen from 30° aside, rays pass 3 mm inward of its edge 26.8 mm up.
+
+    Its face is hardly seen. What is below its far side nobody saw, nor below a block.
+    """
+    board, leg = Box((0.0, 0.0, 0.036), (0.12, 0.12, 0.008)), Box((0.0, 0.0, 0.016), (leg_m, leg_m, 0.032))
+    cloud = Camera(tilt_deg=30, pixels=(640, 480), focal=525.0).sees(TABLE, board, leg, noise_m=0)
+    (seen,) = segment(located(cloud, None, 0), SETTINGS.scene, 0).objects
+    whole = whole_of(seen)
+    near, far, center = whole.frame.to_local(np.array([[0.0, -0.06, 0.0], [0.0, 0.06, 0.0], [0.0, 0.0, 0.0]]))[:, :2]
+    inward = np.stack([center - near, center - far]) / 0.06
+    relief, pads = around(whole), candidates(np.stack([near, far]), inward)
+    found = walls(pads, relief.maps.surface, relief.envelope, relief.level_m, 0.5)
+    feet = found.feet(np.array([[0], [1]]), np.full(1, 5 * MM))[0]
+    assert feet / MM == pytest.approx(np.array([near_mm, (5, 5)]), abs=1.1)  # half a cell
 
 
 class TestSlices:

@@ -7,11 +7,14 @@ import pytest
 
 from flatgrasp_cli import load_settings
 from flatgrasp_cli.geometry.height_map import HeightMap
+from flatgrasp_cli.surroundings.envelope import Envelope
+from flatgrasp_cli.surroundings.view import View
 from flatgrasp_cli.surroundings.walls import Walls, upright, walls
-from tests.by_hand import MM, Relief, candidates
+from tests.by_hand import MM, WORLD, Relief, candidates
 
 LEVEL_M = 25 * MM
 FRICTION = 0.5
+NOT_LOOKED_AT = View(None, WORLD, None)
 AT_ORIGIN = candidates(np.zeros((1, 2)), np.array([[0.0, 1.0]]))
 """One candidate: the object lies toward +y, the pad along x."""
 
@@ -25,7 +28,7 @@ def surface(relief_mm: Relief) -> HeightMap:
 
 def found(relief_mm: Relief) -> Walls:
     chart = surface(relief_mm)
-    return walls(AT_ORIGIN, chart, chart, LEVEL_M, FRICTION)
+    return walls(AT_ORIGIN, chart, Envelope(chart, NOT_LOOKED_AT), LEVEL_M, FRICTION)
 
 
 class TestTheWallsTop:
@@ -41,8 +44,8 @@ class TestTheWallsTop:
 
     def test_it_is_the_level_where_nothing_was_seen(self) -> None:
         empty = HeightMap.of(np.empty((0, 3)), MM)
-        nothing = walls(AT_ORIGIN, empty, empty, LEVEL_M, FRICTION)
-        assert (nothing.top[0], nothing.boundary[0], nothing.flank[0]) == (LEVEL_M, LEVEL_M, 0.0)
+        nothing = walls(AT_ORIGIN, empty, Envelope(empty, NOT_LOOKED_AT), LEVEL_M, FRICTION)
+        assert (nothing.top[0], nothing.boundary[0], nothing.foot[0], nothing.flank[0]) == (*3 * [LEVEL_M], 0.0)
 
     @pytest.mark.parametrize(("begins_mm", "boundary_mm"), [(6, 40), (3.5, 40 + 20 * 2 / 5), (1.5, 40 + 20 * 4 / 5)])
     def test_the_boundary_is_the_mean_of_the_first_5_mm(self, begins_mm: float, boundary_mm: float) -> None:
@@ -74,6 +77,32 @@ def test_leans_are_told_for_fingertips_a_quarter_of_the_grip_higher_each(rise: f
 def test_an_upright_wall_leans_by_nothing() -> None:
     upright_wall = found(lambda x, _y: np.full_like(x, 40.0))
     assert not upright_wall.lean(np.zeros((2, 1), dtype=np.intp), np.zeros(1), np.array([40 * MM])).any()
+
+
+class TestTheWallsFoot:
+    """A wall 40 mm high, of which the lower part may be missing."""
+
+    @pytest.mark.parametrize(("seen_down_to_mm", "foot_mm"), [(0, 0), (30, 30)])
+    def test_it_is_how_far_down_a_face_was_seen(self, seen_down_to_mm: float, foot_mm: float) -> None:
+        """Its points lie evenly from there to its top, in the cells of the boundary."""
+        top = surface(lambda _x, y: np.where(y < 1, 40.0, np.nan))
+        mean = surface(lambda _x, y: np.where(y < 1, 0.5 * (40.0 + seen_down_to_mm), np.nan))
+        face = walls(AT_ORIGIN, mean, Envelope(top, NOT_LOOKED_AT), LEVEL_M, FRICTION)
+        assert face.foot[0] == pytest.approx(foot_mm * MM)
+
+    @pytest.mark.parametrize(
+        ("free_mm", "tip_mm", "feet_mm"),
+        [(20, 10, (20, 30)), (20, 25, (25, 25)), (35, 10, (30, 30)), (0, 10, (10, 10))],
+    )
+    def test_a_rim_overhangs_where_rays_passed_above_the_fingertips(
+        self, free_mm: float, tip_mm: float, feet_mm: tuple[float, float]
+    ) -> None:
+        """It ends between what was seen of it and what they passed; else the wall goes down to the fingertips."""
+        rim = found(lambda x, _y: np.full_like(x, 40.0))._replace(
+            foot=np.full(1, 30 * MM), free=np.full(1, free_mm * MM)
+        )
+        feet = rim.feet(np.zeros((2, 1), dtype=np.intp), np.full(1, tip_mm * MM))
+        assert feet == pytest.approx(np.broadcast_to(np.array(feet_mm) * MM, (1, 2, 2)))
 
 
 class TestUpright:
