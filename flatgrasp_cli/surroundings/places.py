@@ -74,7 +74,7 @@ def box_across(
     if len(points) < 3:
         return None
     mean = mean_of(points)
-    centred = np.ascontiguousarray((points - mean).T)
+    centred = np.subtract(points.T, mean[:, None], order="C")
     axes = principal_axes(np.asarray(centred - np.outer(normal, normal @ centred)))
     if axes is None:
         return None
