@@ -18,9 +18,11 @@ class Frame:
     axes: FloatArray
 
     def to_local(self, points: FloatArray) -> FloatArray:
-        """World points (n, 3) in this frame."""
-        local: FloatArray = (points - self.origin) @ self.axes.T
-        return local
+        """World points (…, 3) in this frame."""
+        if points.ndim != 2:
+            return np.asarray((points - self.origin) @ self.axes.T)
+        columns = np.subtract(points.T, self.origin[:, None], order="C")  # numpy and BLAS run fast along long rows
+        return np.asarray((self.axes @ columns).T)
 
     def to_world(self, points: FloatArray) -> FloatArray:
         """Points (n, 3) of this frame, or (n, 2) in its x-y plane, in the world."""

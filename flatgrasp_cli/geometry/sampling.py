@@ -25,7 +25,9 @@ def spread_indices(count: int, size: int) -> IntArray:
     """
     stretch = np.arange(min(size, count))
     if count > size:
-        stretch = ((stretch + (GOLDEN * stretch) % 1.0) * (count / size)).astype(np.intp)
+        weyl = GOLDEN * stretch
+        weyl -= np.floor(weyl)  # a remainder takes twice as long
+        stretch = ((stretch + weyl) * (count / size)).astype(np.intp)
     stretch.flags.writeable = False  # the same is asked for again and again of a frame
     return stretch
 

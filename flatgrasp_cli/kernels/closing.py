@@ -41,13 +41,12 @@ def closed(
     jaw: cython.Py_ssize_t
     result = np.empty((4, hands.shape[0], hands.shape[1]))
     answer: cython.double[:, :, ::1] = result
-    mean: cython.double[:, ::1] = np.asarray(hands).mean(axis=1)
     near: cython.double[:, ::1] = np.empty((starts.shape[0], 4))
     seen: cython.double[:, ::1] = np.empty((starts.shape[0], 4))
     pads: cython.double[:, ::1] = np.empty((starts.shape[0] * fingers.shape[0], 5))  # edges' ends; pad's middle
     met: cython.double[:, ::1] = np.empty((2, 3))
     for grasp in range(hands.shape[0]):
-        close: cython.Py_ssize_t = _near(starts, ends, hands, mean, grasp, tip[4], near)
+        close: cython.Py_ssize_t = _near(starts, ends, hands, grasp, tip[4], near)
         for hand in range(hands.shape[1]):
             count: cython.Py_ssize_t = _seen(near, close, hands, grasp, hand, tip[4], seen)
             for jaw in range(2):
@@ -67,31 +66,35 @@ def _near(
     starts: cython.double[:, ::1],
     ends: cython.double[:, ::1],
     hands: cython.double[:, :, ::1],
-    mean: cython.double[:, ::1],
     grasp: cython.Py_ssize_t,
     reach: cython.double,
     near: cython.double[:, ::1],
 ) -> cython.Py_ssize_t:
     """Write the edges that may pass within `reach` of the closing axis of any of a grasp's hands; returns how many.
 
-    Seen from their `mean`, hands are aside by what they miss across their axes and by what their turns make of the way.
+    Seen from their mean, hands are aside by what they miss across their axes and by what their turns make of the way.
     """
     hand: cython.Py_ssize_t
     edge: cython.Py_ssize_t
     found: cython.Py_ssize_t = 0
+    share: cython.double = 1.0 / hands.shape[1]
+    mx, my, mux, muy = 0.0, 0.0, 0.0, 0.0
+    for hand in range(hands.shape[1]):
+        mx, my = mx + share * hands[grasp, hand, 0], my + share * hands[grasp, hand, 1]
+        mux, muy = mux + share * hands[grasp, hand, 2], muy + share * hands[grasp, hand, 3]
     aside: cython.double = SHORTEST_M  # rounding makes them differ, too
     turned: cython.double = 0.0
     for hand in range(hands.shape[1]):
         ux, uy = hands[grasp, hand, 2], hands[grasp, hand, 3]
-        across: cython.double = (hands[grasp, hand, 1] - mean[grasp, 1]) * ux
-        aside = max(aside, abs(across - (hands[grasp, hand, 0] - mean[grasp, 0]) * uy))
-        turned = max(turned, max(abs(ux - mean[grasp, 2]), abs(uy - mean[grasp, 3])))
+        across: cython.double = (hands[grasp, hand, 1] - my) * ux
+        aside = max(aside, abs(across - (hands[grasp, hand, 0] - mx) * uy))
+        turned = max(turned, max(abs(ux - mux), abs(uy - muy)))
     for edge in range(starts.shape[0]):
-        ax, ay = starts[edge, 0] - mean[grasp, 0], starts[edge, 1] - mean[grasp, 1]
-        bx, by = ends[edge, 0] - mean[grasp, 0], ends[edge, 1] - mean[grasp, 1]
+        ax, ay = starts[edge, 0] - mx, starts[edge, 1] - my
+        bx, by = ends[edge, 0] - mx, ends[edge, 1] - my
         limit: cython.double = reach + aside + turned * max(abs(ax) + abs(ay), abs(bx) + abs(by))
-        from_x: cython.double = ay * mean[grasp, 2] - ax * mean[grasp, 3]
-        to_x: cython.double = by * mean[grasp, 2] - bx * mean[grasp, 3]
+        from_x: cython.double = ay * mux - ax * muy
+        to_x: cython.double = by * mux - bx * muy
         if (from_x < limit or to_x < limit) and (from_x > -limit or to_x > -limit):
             near[found, 0], near[found, 1] = starts[edge, 0], starts[edge, 1]
             near[found, 2], near[found, 3] = ends[edge, 0], ends[edge, 1]

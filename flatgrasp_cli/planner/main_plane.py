@@ -22,7 +22,7 @@ def oriented_box(points: FloatArray, toward: FloatArray, method: Literal["pca", 
     if len(points) < 3:
         return None
     mean = mean_of(points)
-    centred = np.ascontiguousarray((points - mean).T)  # (3, n): reductions run fast over a long last axis
+    centred = np.subtract(points.T, mean[:, None], order="C")  # (3, n): numpy runs fast along long rows
     axes = principal_axes(centred)
     if axes is None:
         return None

@@ -27,14 +27,13 @@ surface are narrower."""
 def silhouette_of(
     points: FloatArray, frame: Frame, settings: SilhouetteSettings, spacing_m: float | None = None
 ) -> Silhouette:
-    """The concave hull of `points` (n, 3) projected to the main plane, `frame`'s x-y plane: a polygon with holes.
+    """The concave hull of `points` (n, 3) in `frame`, projected to its x-y plane, the main one: a polygon with holes.
 
     `spacing_m` is that of the projected points where it is known already.
     α grows until one piece holds the share of the points that the settings ask for; what is still detached from it
     is left out.
     """
-    local = frame.to_local(points)
-    projected, heights = np.ascontiguousarray(local[:, :2]), local[:, 2]
+    projected, heights = np.ascontiguousarray(points[:, :2]), points[:, 2]
     alpha_m = settings.alpha_m or max(MIN_ALPHA_M, 2 * (spacing_m or spacing(projected)))
     alpha_m, member = _one_piece(projected, alpha_m, settings.min_coverage)
     region = alpha_region(projected if member.all() else projected[member], alpha_m)

@@ -42,12 +42,12 @@ def without_faint(
             return True
         if float(heights.mean()) > settings.min_size_m:
             return False
-        standing = points[np.concatenate([*clusters.members, clusters.clutter])]
+        standing = points.take(np.concatenate([*clusters.members, clusters.clutter]), axis=0)
         return _at_edge_share(own, standing, viewpoint, reach, settings.least_part_m) >= MOST
 
     sure, faint = list[IntArray](), [clusters.clutter]
     for rows in clusters.members:
-        (faint if is_faint(points[rows]) else sure).append(rows)
+        (faint if is_faint(points.take(rows, axis=0)) else sure).append(rows)
     return replace(clusters, members=tuple(sure), clutter=np.concatenate(faint))
 
 

@@ -30,7 +30,7 @@ def objects_of(
 ) -> tuple[tuple[ObjectCloud, ...], tuple[ObjectCloud, ...]]:
     """The clusters as objects, and the groups of those that touch and may be one; each with what stands near it."""
     rows = (*clusters.members, clusters.clutter, clusters.container)
-    standing = np.concatenate([cloud.points[np.concatenate(rows)], clusters.solid])
+    standing = np.concatenate([cloud.points.take(np.concatenate(rows), axis=0), clusters.solid])
     ends = np.cumsum([len(own) for own in clusters.members])
     places = [np.arange(end - len(own), end) for own, end in zip(clusters.members, ends, strict=True)]
     groups = clusters.groups or (None,) * len(places)
@@ -70,7 +70,7 @@ class _Around:
 
     def object(self, index: int, mine: IntArray) -> ObjectCloud:
         """The object number `index` that has the points `mine` (k,), with what stands near it."""
-        points = self.standing[mine]
+        points = self.standing.take(mine, axis=0)
         low, high = bounds_of(points)
         near = np.zeros(len(self.standing), dtype=np.bool_)
         near[between(self.standing, low - NEAR_M, high + NEAR_M)] = True
@@ -83,7 +83,7 @@ class _Around:
             toward=self.plane.normal if viewpoint is None else viewpoint - middle,
             viewpoint=None if self.sensor.sees_all_sides else viewpoint,
             support=self.plane,
-            obstacles=self.standing[np.flatnonzero(near)],
+            obstacles=self.standing.take(np.flatnonzero(near), axis=0),
             floor=self.floor,
             in_container=self.in_container,
         )

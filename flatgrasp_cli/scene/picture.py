@@ -54,7 +54,7 @@ def at_table_edge(points: FloatArray, members: tuple[IntArray, ...], floor: Floo
     A hand stands half beyond it there, and things are what the table ends with.
     """
     raster = floor.levels.raster
-    middles = np.array([mean_of(points[rows]) for rows in members]).reshape(-1, 3)
+    middles = np.array([mean_of(points.take(rows, axis=0)) for rows in members]).reshape(-1, 3)
     x, y, _ = floor.frame.to_local(middles).T
     places = np.column_stack(np.divmod(raster.cells(x, y), raster.shape[1]))
     inside = depths(hull_of(floor.levels.heights > UNSEEN), places) > edge_m / raster.cell_m

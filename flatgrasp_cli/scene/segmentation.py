@@ -57,10 +57,10 @@ def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
     return Scene(
         support=plane,
         objects=selected(objects, settings.select, sensor),
-        clutter=cloud.points[clusters.clutter],
+        clutter=cloud.points.take(clusters.clutter, axis=0),
         reason=None if objects else NOTHING_STANDS,
         wholes=wholes,
-        container=cloud.points[clusters.container],
+        container=cloud.points.take(clusters.container, axis=0),
     )
 
 

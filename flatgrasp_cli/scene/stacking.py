@@ -42,7 +42,7 @@ def _from_above(points: FloatArray, members: tuple[IntArray, ...], floor: Floor)
     raster = floor.levels.raster
     rows = np.concatenate(members)
     names = np.repeat(np.arange(len(members)), [len(own) for own in members])
-    x, y, z = floor.frame.to_local(points[rows]).T
+    x, y, z = floor.frame.to_local(points.take(rows, axis=0)).T
     cell = raster.cells(x, y)
     owner, height = np.full(raster.size, len(members)), np.full(raster.size, -np.inf)
     from_above(cell, np.ascontiguousarray(z), names, owner, height)

@@ -43,7 +43,7 @@ small. A larger one may be held by something that was not seen."""
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Place:
-    """Points (n, 3) of an object, the `frame` whose x-y plane they are projected to, and what stands around them.
+    """Points (n, 3) of an object in the `frame` to whose x-y plane they are projected, and what stands around them.
 
     The hand comes along −z of the frame. `spacing_m` is how far apart the projected points lie, where that is known.
     """
@@ -74,7 +74,7 @@ def box_across(
     if len(points) < 3:
         return None
     mean = mean_of(points)
-    centred = np.ascontiguousarray((points - mean).T)
+    centred = np.subtract(points.T, mean[:, None], order="C")
     axes = principal_axes(np.asarray(centred - np.outer(normal, normal @ centred)))
     if axes is None:
         return None
@@ -88,7 +88,7 @@ def places(cloud: ObjectCloud, box: OrientedBox, settings: PlannerSettings) -> I
     A slice is made as it is asked for, and most objects are had well without one.
     """
     if cloud.support is None:
-        yield Place(box, box.frame, cloud.points, Alone(settings))
+        yield Place(box, box.frame, box.frame.to_local(cloud.points), Alone(settings))
     else:
         yield from _slices(cloud, box, cloud.support, settings)
 
@@ -104,32 +104,33 @@ def _slices(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, setting
     others = HeightMap.around(local, cell_m, FINGERS_M).raised(obstacles)
     if cloud.floor is not None:
         others = others.filled(cloud.floor.levels, frame, cloud.floor.frame)
-    highest = others.raised(local)
-    coarse = HeightMap.of(np.concatenate([local, obstacles]), cell_m)
+    everything = np.concatenate([local, obstacles])
+    highest, coarse = others.raised(local), HeightMap.of(everything, cell_m)
     lowest_m = float(lowest_tip(top_of(local[:, 2]), settings.depth))
     around = OnSupport(
         level_m=lowest_m,
         lowest_m=lowest_m,
         ground_m=settings.depth.min_clearance_m,
         maps=HeightMaps(surface=highest.averaged(local), rest=others, highest=highest, coarse=coarse),
-        view=_view(cloud, frame, cell_m),
+        view=_view(cloud, frame, everything, cell_m),
         settings=settings,
     )
-    whole = Place(box=box, frame=frame, points=cloud.points, surroundings=around, spacing_m=spacing_m)
+    whole = Place(box=box, frame=frame, points=local, surroundings=around, spacing_m=spacing_m)
     yield whole
-    yield from (above(whole, around, local, piece) for piece in slices(local, cell_m, settings.depth))
+    yield from (above(whole, around, piece) for piece in slices(local, cell_m, settings.depth))
 
 
-def above(whole: Place, around: OnSupport, local: FloatArray, piece: Slice) -> Place:
-    """A slice of an object whose points are `local` (n, 3) in the plane's frame: the rest of it may be in the way."""
-    apart = np.ones(len(local), dtype=np.bool_)
+def above(whole: Place, around: OnSupport, piece: Slice) -> Place:
+    """A slice of an object, the `whole` of which has these surroundings: the rest of it may be in the way."""
+    apart = np.ones(len(whole.points), dtype=np.bool_)
     apart[piece.rows] = False
-    surface, rest = around.maps.highest.averaged(local[piece.rows]), around.maps.rest.raised(local[apart])
+    own, others = whole.points.take(piece.rows, axis=0), whole.points[apart]
+    surface, rest = around.maps.highest.averaged(own), around.maps.rest.raised(others)
     maps = replace(around.maps, surface=surface, rest=rest)
     return Place(
         box=whole.box,
         frame=whole.frame,
-        points=whole.points[piece.rows],
+        points=own,
         surroundings=replace(around, level_m=piece.level_m, maps=maps),
     )
 
@@ -142,19 +143,17 @@ def hanging_m(whole: Place) -> float:
     """
     if not isinstance(whole.surroundings, OnSupport) or whole.surroundings.view.image is None:
         return 0.0
-    local, settings = whole.frame.to_local(whole.points), whole.surroundings.settings
-    low = float(local[:, 2].min())
-    if low < settings.scene.min_size_m or float(extent_of(local).max()) > MOST_HANGING_M:
+    low = float(whole.points[:, 2].min())
+    if low < whole.surroundings.settings.scene.min_size_m or float(extent_of(whole.points).max()) > MOST_HANGING_M:
         return 0.0  # what lies no higher than a finger is thick may stand on something
-    x, y = local[:, :2].T
-    below = np.stack([x, y, np.full(len(local), 0.5 * low)])  # halfway, farthest from the noise of either
+    x, y, _ = whole.points.T
+    below = np.stack([x, y, np.full(len(x), 0.5 * low)])  # halfway, farthest from the noise of either
     return low if np.mean(whole.surroundings.view.hides(below)) < 0.5 else 0.0
 
 
-def _view(cloud: ObjectCloud, frame: Frame, cell_m: float) -> View:
-    """What the sensor saw of the space around an object, for points in `frame`."""
+def _view(cloud: ObjectCloud, frame: Frame, points: FloatArray, cell_m: float) -> View:
+    """What the sensor saw of the space around an object by `points` (n, 3) in `frame`: its own and its obstacles'."""
     if cloud.viewpoint is None:
         return View(None, frame, cloud.floor)
-    points = frame.to_local(np.concatenate([cloud.points, cloud.obstacles]))
     image = RangeImage.of(points, frame.to_local(cloud.viewpoint), PIXEL_CELLS * cell_m)
     return View(image, frame, cloud.floor)

@@ -48,15 +48,19 @@ class Tilted:
     settings: PlannerSettings
 
     @cached_property
+    def _on_floor(self) -> FloatArray:
+        """The object's points (n, 3) in the frame of the floor."""
+        return self.floor.frame.to_local(self.cloud.points)
+
+    @cached_property
     def _cell_m(self) -> float:
         """How far apart the object's points lie, seen from above, metres."""
-        flat = self.floor.frame.to_local(self.cloud.points)[:, :2]
-        return max(MIN_CELL_M, min(spacing(flat), NEIGHBOURS_WITHIN * self.floor.spacing_m))
+        return max(MIN_CELL_M, min(spacing(self._on_floor[:, :2]), NEIGHBOURS_WITHIN * self.floor.spacing_m))
 
     @cached_property
     def _height_m(self) -> float:
         """How high the object stands on the plane, metres."""
-        return top_of(self.floor.frame.to_local(self.cloud.points)[:, 2])
+        return top_of(self._on_floor[:, 2])
 
     @cached_property
     def _clearance_m(self) -> float:
@@ -69,15 +73,14 @@ class Tilted:
         frame, viewpoint = self.floor.frame, self.cloud.viewpoint
         if viewpoint is None:
             return View(None, frame, self.floor)
-        own, others = frame.to_local(self.cloud.points), frame.to_local(self.cloud.obstacles)
+        own, others = self._on_floor, frame.to_local(self.cloud.obstacles)
         image = RangeImage.of(np.concatenate([own, others]), frame.to_local(viewpoint), PIXEL_CELLS * self._cell_m)
         return View(image, frame, self.floor, others=image.of_only(others))
 
     @cached_property
     def _body(self) -> FloatArray:
         """Points (k, 3) of the object below its rim that were hidden, down to the plane."""
-        frame, cell_m = self.floor.frame, self._cell_m
-        local = frame.to_local(self.cloud.points)
+        local, cell_m = self._on_floor, self._cell_m
         raster = Raster.around(local, cell_m)
         cell = raster.cells(local[:, 0], local[:, 1])
         seen = (raster.count(cell) > 0).view(np.uint8)
@@ -90,7 +93,7 @@ class Tilted:
         place, level = true_entries(levels < tops[:, 2:])
         body = np.column_stack([tops[place, :2], levels[level]])
         hidden = self._view.hides(np.ascontiguousarray(body.T), surely_behind_m(self.settings))
-        return frame.to_world(body[hidden])
+        return self.floor.frame.to_world(body[hidden])
 
     def places(self, toward: FloatArray, gripper: Gripper) -> Iterator[Place]:
         """The object for a hand that comes against `toward` (3,), a unit vector: the whole, then what stands out.
@@ -102,12 +105,12 @@ class Tilted:
         if whole is None:
             return
         yield whole
-        around, local = whole.surroundings, whole.frame.to_local(whole.points)
+        around = whole.surroundings
         if isinstance(around, Aslant):
             depth = self.settings.depth.model_copy(update={"slice_step_m": SPARSER * self.settings.depth.slice_step_m})
-            for piece in slices(local, around.maps.rest.cell_m, depth):
+            for piece in slices(whole.points, around.maps.rest.cell_m, depth):
                 if piece.rows[0] < len(self.cloud.points):  # else it is all body, and fingers close on what was seen
-                    yield above(whole, around, local, piece)
+                    yield above(whole, around, piece)
 
     def whole(self, toward: FloatArray, gripper: Gripper) -> Place | None:
         """The whole of the object for a hand that comes against `toward` (3,); None where `places` has none."""
@@ -122,11 +125,10 @@ class Tilted:
         others = self._standing(local, frame, cell_m).raised(obstacles)
         if not self._has_room(others.raised(local), local, gripper):
             return None
-        x, y, z = frame.to_local(self._body).T
-        own = others.averaged(local)
-        body = self._body[own.over(x, y) < z - surely_behind_m(self.settings)]  # what was seen is what is there
-        points = np.concatenate([self.cloud.points, body])
-        local = np.concatenate([local, frame.to_local(body)])
+        body, own = frame.to_local(self._body), others.averaged(local)
+        x, y, z = body.T
+        hidden = own.over(x, y) < z - surely_behind_m(self.settings)  # what was seen is what is there
+        local = np.concatenate([local, body[hidden]])
         highest = others.raised(local)
         lowest_m = float(lowest_tip(top_of(local[:, 2]), self.settings.depth))
         around = Aslant(
@@ -144,7 +146,7 @@ class Tilted:
             height_m=self._height_m,
             own=own,
         )
-        return Place(box=box, frame=frame, points=points, surroundings=around, spacing_m=spacing_m)
+        return Place(box=box, frame=frame, points=local, surroundings=around, spacing_m=spacing_m)
 
     def _standing(self, local: FloatArray, frame: Frame, cell_m: float) -> HeightMap:
         """The floor around points `local` (n, 3), seen along z of the `frame`."""

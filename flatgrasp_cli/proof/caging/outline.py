@@ -25,13 +25,18 @@ CONVEX_SHARE = 1e-9
 class Outline:
     """What caging is computed on.
 
-    `region`, a shapely polygon with the `boundary`, strays from the outline by at most `tolerance_m`.
+    `region`, a shapely polygon with the `boundary`, is the `whole` outline simplified.
     """
 
+    whole: Any
     region: Any
     boundary: Boundary
     convex: bool
-    tolerance_m: float
+
+    @property
+    def tolerance_m(self) -> float:
+        """How far the region strays from the whole outline at most."""
+        return max(map(_stray, _rings(self.whole), _rings(self.region)))
 
     def eroded(self, noise_m: float) -> Boundary | None:
         """What lies within every outline that differs from the given one by no more than the noise; None if nothing.
@@ -53,13 +58,13 @@ def prepare(loops: Sequence[FloatArray], settings: CagingSettings) -> Outline | 
     region = shapely.Polygon(loops[0], loops[1:])
     if not region.is_valid or region.area == 0:
         return None
-    plain, tolerance = _simplified(region, settings)
+    plain = _simplified(region, settings)
     hull = plain.convex_hull.area
-    return Outline(plain, boundary_of(plain), hull - plain.area <= CONVEX_SHARE * hull, tolerance)
+    return Outline(region, plain, boundary_of(plain), hull - plain.area <= CONVEX_SHARE * hull)
 
 
-def _simplified(region: Any, settings: CagingSettings) -> tuple[Any, float]:
-    """The region simplified within the tolerance, or coarser, to leave few enough vertices; and how far it strays."""
+def _simplified(region: Any, settings: CagingSettings) -> Any:
+    """The region simplified within the tolerance, or coarser, to leave few enough vertices."""
     import shapely
 
     tolerance = settings.tolerance_m
@@ -69,7 +74,12 @@ def _simplified(region: Any, settings: CagingSettings) -> tuple[Any, float]:
     while shapely.get_num_coordinates(plain) > most:
         tolerance = max(COARSER * tolerance, finest)
         plain = shapely.simplify(region, tolerance)
-    return plain, max(map(_stray, (region.exterior, *region.interiors), (plain.exterior, *plain.interiors)))
+    return plain
+
+
+def _rings(region: Any) -> tuple[Any, ...]:
+    """The rings of a shapely polygon, the outer one first."""
+    return (region.exterior, *region.interiors)
 
 
 def _stray(ring: Any, plain: Any) -> float:
@@ -92,5 +102,5 @@ def boundary_of(region: Any) -> Boundary:
     import shapely
 
     region = shapely.orient_polygons(region)
-    rings = [shapely.get_coordinates(ring)[:-1] for ring in (region.exterior, *region.interiors)]
+    rings = [shapely.get_coordinates(ring)[:-1] for ring in _rings(region)]
     return Boundary.of([ring[np.any(ring != np.roll(ring, 1, axis=0), axis=1)] for ring in rings])
