@@ -229,7 +229,7 @@ class TestRobot:
         assert all(len(angles) == 6 for angles in reach["joints_rad"].values())
 
     def test_an_unreachable_scene_is_exit_1_and_names_the_limit(self, far: Path, run: Run) -> None:
-        done = run(far, "--robot", "ur5", "--camera-pose", pose_text(FAR))
+        done = run(far, "--robot", "ur5", "--camera-pose", pose_text(FAR), "--approach", "top")
         assert done.code == 1
         document = done.document
         assert [line.split(": ")[2] for line in done.err.splitlines()] == ["no grasp", "remedy"]

@@ -93,7 +93,7 @@ def test_a_bag_has_the_poses_of_the_recording_it_was_made_of(name: str, run: Run
 @pytest.mark.skipif(not REAL.exists(), reason="needs the shared recordings")
 @pytest.mark.parametrize("name", BAGS)
 def test_a_real_recording_plays_beside_its_bag(name: str, run: Run) -> None:
-    done = run("plan", REAL, "--json", "-g", "robotiq_2f_85", "--bag", name)
+    done = run("plan", REAL, "--json", "-g", "robotiq_2f_85", "--approach", "top", "--bag", name)
     documents = [json.loads(line) for line in done.out.splitlines()]
     check_poses(Path(name), documents)
     original = [each.logged_ns for each in read(REAL) if each.topic == "/point_cloud"]

@@ -289,7 +289,7 @@ def test_view_finds_each_cloud_whatever_the_order_of_the_documents(run: Run) -> 
 
 @pytest.mark.skipif(not REAL.exists(), reason="needs the shared recordings")
 def test_view_finds_clouds_whose_own_clock_is_not_the_recordings(run: Run) -> None:
-    Path("real.jsonl").write_text(run("plan", REAL, "--json", "-g", "pr2").out, encoding="utf-8")
+    Path("real.jsonl").write_text(run("plan", REAL, "--json", "-g", "pr2", "--approach", "top").out, encoding="utf-8")
     assert "warning" not in run("view", "real.jsonl").err
     assert all(scene["cloud"] for scene in scenes_of("real.html"))
 

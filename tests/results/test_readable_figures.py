@@ -77,7 +77,8 @@ def out_of_reach() -> Plan:
     cloud = Camera(tilt_deg=30, target=(3.0, 0.0, 0.0)).sees(
         Box((3.0, 0.0, -0.01), (0.7, 0.6, 0.02)), Box((3.0, 0.0, 0.02), (0.1, 0.04, 0.04))
     )
-    return plan(cloud, load_gripper("pr2"), robot=load_robot("ur5"))
+    straight_down = load_settings("default", ("approach.directions=top",))
+    return plan(cloud, load_gripper("pr2"), straight_down, robot=load_robot("ur5"))
 
 
 def named_at_length() -> Plan:

@@ -71,7 +71,7 @@ def test_what_is_wider_than_the_hand_gets_no_grasp() -> None:
     assert trial.status == "held"
     small = cell("robotiq_2f_85")
     small.gripper = small.gripper.model_copy(update={"max_opening_m": 0.009})
-    small.job = Job(small.gripper, load_settings(), workcell(None, None, None))
+    small.job = Job(small.gripper, load_settings("default", ("approach.directions=top",)), workcell(None, None, None))
     (refused,) = trials_of(small, wide, 1)
     assert (refused.status, refused.execution) == ("no_grasp", None)
     (document,) = documents([refused], small)
