@@ -106,10 +106,10 @@ def free_below(
     levels: cython.double[:, ::1],
     behind: cython.double[::1],
 ) -> NDArray[np.float64]:
-    """Up to which height (m,) from the plane on nothing stands before each of `chords` (m, 6), at most its `tops` (m,).
+    """Up to which height (m,) from the plane on nothing stands so far `inward` of each of `chords` (m, 6).
 
-    It is looked so far `inward` of the chord, in steps of that height: places are free that are not hidden, and at
-    most of those at a height, shares `along` (a,) the chord. Other arguments are those of `hidden`.
+    It is looked step by step, to the first that ends above the chord's one of `tops` (m,): a height is free unless most
+    of its places, shares `along` (a,) the chord, are hidden. Other arguments are those of `hidden`.
     """
     chord: cython.Py_ssize_t
     place: cython.Py_ssize_t
@@ -118,13 +118,13 @@ def free_below(
     for chord in range(chords.shape[0]):
         free[chord] = 0.0
         while free[chord] < tops[chord]:
-            may: cython.Py_ssize_t = 0
+            hidden_ones: cython.Py_ssize_t = 0
+            z: cython.double = free[chord] + 0.5 * step
             for place in range(along.shape[0]):
                 x: cython.double = chords[chord, 0] + along[place] * chords[chord, 2] + inward * chords[chord, 4]
                 y: cython.double = chords[chord, 1] + along[place] * chords[chord, 3] + inward * chords[chord, 5]
-                z: cython.double = free[chord] + 0.5 * step
-                may += _hides(x, y, z, eye, pixels, ranges, ground, cells, levels, behind)
-            if 2 * may > along.shape[0]:
+                hidden_ones += _hides(x, y, z, eye, pixels, ranges, ground, cells, levels, behind)
+            if 2 * hidden_ones > along.shape[0]:
                 break
             free[chord] += step
     return found
