@@ -249,7 +249,7 @@ def test_the_best_of_all_slices_wins(options: tuple[str, ...], pr2: Gripper, mon
     """Neither what cages forgive nor the depth of the point fingers' cages has a most: no slice may be left out."""
     (cloud,) = read_clouds(SAMPLES / "pan_on_table.pcd")
     seen: list[answers.Answer] = []
-    real = search.answer_in
+    real = answers.answer_in
 
     def watched(*args: Any) -> answers.Answer:
         seen.append(real(*args))
