@@ -29,7 +29,7 @@ from clocks import StageClock, milliseconds
 from flatgrasp_cli import Plan, load_gripper, load_settings, plan, read_clouds
 from flatgrasp_cli.open3d_door import load_open3d
 from flatgrasp_cli.planner import pipeline
-from flatgrasp_cli.planning import answers, lifting, objects
+from flatgrasp_cli.planning import answers, lifting, objects, search
 from flatgrasp_cli.profiles import Gripper, PlannerSettings
 from flatgrasp_cli.scene import segmentation
 from flatgrasp_cli.simulation.samples import electric_drill, hammer, juice_box, spray_bottle
@@ -46,7 +46,7 @@ STAGES = {
     "support plane": ((segmentation, "find_support_plane"),),
     "objects": ((segmentation, "find_clusters"), (segmentation, "objects_of")),
     "surroundings": ((objects, "places"), (Tilted, "whole")),
-    "silhouette": ((answers, "silhouette_of"),),
+    "silhouette": ((search, "silhouette_of"),),
     "finger candidates": (
         (pipeline, "step_points"),
         (pipeline, "finger_candidates"),

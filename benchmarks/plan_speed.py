@@ -24,13 +24,13 @@ from flatgrasp_cli import load_gripper, load_settings, plan, read_clouds
 from flatgrasp_cli.model import Cloud, Source
 from flatgrasp_cli.open3d_door import load_open3d
 from flatgrasp_cli.planner import pipeline
-from flatgrasp_cli.planning import answers, objects
+from flatgrasp_cli.planning import objects, search
 from flatgrasp_cli.surroundings import Alone, OnSupport
 
 ROOT = Path(__file__).resolve().parent.parent
 SECTIONS: dict[str, list[tuple[ModuleType | type, str]]] = {
     "A.1": [(objects, "oriented_box")],
-    "A.2": [(answers, "silhouette_of")],
+    "A.2": [(search, "silhouette_of")],
     "A.3": [(pipeline, "step_points"), (pipeline, "finger_candidates"), (pipeline, "inward_directions")],
     "B.2": [(pipeline, "torque_balanced")],
     "B.3": [(pipeline, "closing_axes"), (pipeline, "on_pads"), (pipeline, "in_range")],

@@ -6,7 +6,7 @@ import math
 
 import cython
 import numpy as np
-from cython.cimports.libc.math import atan2, sqrt
+from cython.cimports.libc.math import sqrt
 from numpy.typing import NDArray
 
 INFINITY = cython.declare(cython.double, math.inf)
@@ -35,39 +35,6 @@ def moved(grasps: cython.double[:, ::1], misses: cython.double[:, ::1]) -> NDArr
             hands[grasp, sample, 2] = misses[sample, 2] * ux - misses[sample, 3] * uy
             hands[grasp, sample, 3] = misses[sample, 2] * uy + misses[sample, 3] * ux
             hands[grasp, sample, 4] = grasps[grasp, 4]
-    return found
-
-
-def arms(
-    hands: cython.double[:, :, ::1],
-    pulls: cython.double[:, ::1],
-    over: cython.double[::1],
-    down: cython.double[::1],
-) -> NDArray[np.float64]:
-    """How an object's weight turns it in k hands, as in `moved`, in s samples: rows arm, angle and tilt (3, k, s).
-
-    It pulls at `pulls` (s, 2), by `over` (k,) higher than the pads, and `down` (3,) is where things fall. The arm is
-    that about the line through the pads, and by the angle it would turn about that until its weight pulls straight
-    away from them; the tilt is the arm about the pads' other axis, along the plane, above 0 on the side to which the
-    closing axis points.
-    """
-    grasp: cython.Py_ssize_t
-    sample: cython.Py_ssize_t
-    found = np.empty((3, hands.shape[0], hands.shape[1]))
-    load: cython.double[:, :, ::1] = found
-    for grasp in range(hands.shape[0]):
-        for sample in range(hands.shape[1]):
-            ux: cython.double = hands[grasp, sample, 2]
-            uy: cython.double = hands[grasp, sample, 3]
-            dx: cython.double = pulls[sample, 0] - hands[grasp, sample, 0]
-            dy: cython.double = pulls[sample, 1] - hands[grasp, sample, 1]
-            beside: cython.double = ux * dy - uy * dx
-            between: cython.double = ux * dx + uy * dy
-            aside: cython.double = down[0] * uy - down[1] * ux
-            along: cython.double = down[0] * ux + down[1] * uy
-            load[0, grasp, sample] = abs(down[2] * beside + over[grasp] * aside)
-            load[1, grasp, sample] = atan2(load[0, grasp, sample], down[2] * over[grasp] - aside * beside)
-            load[2, grasp, sample] = over[grasp] * along - down[2] * between
     return found
 
 

@@ -10,12 +10,13 @@ from flatgrasp_cli.planner import section_three
 
 if TYPE_CHECKING:
     from flatgrasp_cli.funnel import Funnel
-    from flatgrasp_cli.model import GraspCandidates, PlaneShape
+    from flatgrasp_cli.model import FingerCandidates, GraspCandidates, PlaneShape
     from flatgrasp_cli.profiles.gripper import Gripper
     from flatgrasp_cli.profiles.settings import PlannerSettings
     from flatgrasp_cli.surroundings import Surroundings
 
-    Method = Callable[[PlaneShape, Surroundings, Gripper, PlannerSettings, Funnel, int], GraspCandidates]
+    Found = tuple[FingerCandidates | None, GraspCandidates]
+    Method = Callable[[PlaneShape, Surroundings, Gripper, PlannerSettings, Funnel, int], Found]
 
 METHODS: dict[str, Method] = {"lei_wisse": section_three, "allen": point_fingers}
 

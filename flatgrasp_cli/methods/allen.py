@@ -30,14 +30,17 @@ def point_fingers(
     settings: PlannerSettings,
     funnel: Funnel,
     top: int,
-) -> GraspCandidates:
-    """The best `top` of the grasps that two point fingers close into, whatever the hand can do."""
+) -> tuple[None, GraspCandidates]:
+    """The best `top` of the grasps that two point fingers close into, whatever the hand can do.
+
+    There is no table of finger candidates that they are pairs of.
+    """
     grasps = point_finger_grasps(shape.silhouette, shape.gravity_center.area, settings.caging)
     funnel.count(
         "immobilising", len(grasps), "no two points hold this outline without friction; a convex one has none that do"
     )
     tip, touched = np.full(len(grasps), surroundings.lowest_m), np.full((len(grasps), 2), gripper.finger_width_m)
-    return grasps.having(tip=tip, touch=tip, touched_m=touched).first(top)
+    return None, grasps.having(tip=tip, touch=tip, touched_m=touched).first(top)
 
 
 def point_finger_grasps(silhouette: Silhouette, center: FloatArray, settings: CagingSettings) -> GraspCandidates:

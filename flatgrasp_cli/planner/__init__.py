@@ -4,6 +4,6 @@ A.1 main_plane, A.2 silhouette, A.3 fingers, B.1–B.2 balance, B.3 grasping_ran
 C gravity; `contacts` tells where the pads of a final grasp touch.
 """
 
-from flatgrasp_cli.planner.pipeline import section_three
+from flatgrasp_cli.planner.pipeline import final, section_three
 
-__all__ = ["section_three"]
+__all__ = ["final", "section_three"]

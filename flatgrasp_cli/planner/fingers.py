@@ -10,6 +10,7 @@ import numpy as np
 from flatgrasp_cli.geometry import polygon
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.rectangle import longer_side
+from flatgrasp_cli.kernels import chords as kernels
 from flatgrasp_cli.model import FingerCandidates, Silhouette, StepPoints
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import FingerSettings
@@ -25,6 +26,8 @@ MAX_DERIVED_STEPS, MAX_STEPS = 600, 3000
 pairs then hold 3 MB and 70 MB."""
 ALONG_ARC = np.linspace(0.0, 1.0, 17)
 """Points along the boundary under a chord: 1.4 mm apart under a pad of 22 mm, as fine as a silhouette is known."""
+VARIANCES = ("mean", "rms", "max")
+"""How far the boundary strays from a chord is told by one of these, besides the paper's sum."""
 EITHER_JAW = -1
 """In the column `jaw`: the candidate may be for either of two equal jaws."""
 
@@ -81,12 +84,11 @@ def _candidates_of_loop(
     jaw = np.repeat(list(widths), len(steps.positions))
     width = np.repeat(list(widths.values()), len(steps.positions))
     begins = np.tile(steps.positions, len(widths))
-    ends = polygon.circle_exits(loop, begins, width)
-    perimeter = polygon.arc_positions(loop)[-1]
-    found = np.isfinite(ends) & ((ends < perimeter) | (settings.walk == "cyclic"))
+    ends, arc = polygon.circle_exits(loop, begins, width), polygon.arc_positions(loop)
+    found = np.isfinite(ends) & ((ends < arc[-1]) | (settings.walk == "cyclic"))
     found &= ends - begins <= (settings.arc_ratio_max or np.inf) * width
     begins, ends, width = begins[found], ends[found], width[found]
-    arcs = polygon.points_at(loop, begins[:, None] + ALONG_ARC * (ends - begins)[:, None])
+    arcs = kernels.arcs(loop, arc, begins, ends, ALONG_ARC)
     start, end = arcs[:, 0], arcs[:, -1]
     normal = polygon.left_normal(end - start)
     return FingerCandidates(
@@ -100,7 +102,7 @@ def _candidates_of_loop(
         arcs=arcs,
         variance=_hull_points_sum(loop, begins, ends, start, normal)
         if settings.variance == "sum"
-        else _variance(polygon.dot(arcs - start[:, None], normal[:, None]), settings.variance),
+        else kernels.strays(arcs)[VARIANCES.index(settings.variance)],
         arc_ratio=(ends - begins) / width,
         hidden=np.zeros(len(begins)),
     )
@@ -116,14 +118,6 @@ def _hull_points_sum(
     row, vertex = polygon.vertices_between(loop, begins, ends)
     distance = np.abs(polygon.dot(loop[vertex] - start[row], normal[row]))
     return np.bincount(row, weights=distance, minlength=len(start)).astype(np.float64)
-
-
-def _variance(offset: FloatArray, method: str) -> FloatArray:
-    """How far (m,) the boundary strays from each candidate's chord, metres, by its `offset` (m, k) along the arc."""
-    if method == "max":
-        return np.asarray(np.abs(offset).max(axis=1))
-    middles = 0.5 * np.abs(offset[:, :-1] + offset[:, 1:])  # of equally long pieces of boundary
-    return np.asarray(np.sqrt((middles**2).mean(axis=1)) if method == "rms" else middles.mean(axis=1))
 
 
 def inward_directions(

@@ -22,11 +22,8 @@ def gravity_center(whole: Silhouette, settings: GravitySettings) -> GravityCente
 
 
 def weighed(fingers: FingerCandidates, grasps: GraspCandidates, shape: PlaneShape) -> GraspCandidates:
-    """The pairs with their gravity distance, and with the share of their grasping line that lies inside the object."""
-    return grasps.having(
-        gravity_distance=gravity_distance(fingers, grasps, shape.gravity_center.place),
-        inside_share=share_inside(shape.silhouette.loops, fingers.contact[grasps.i], fingers.contact[grasps.j]),
-    )
+    """The pairs with their gravity distance."""
+    return grasps.having(gravity_distance=gravity_distance(fingers, grasps, shape.gravity_center.place))
 
 
 def gravity_distance(fingers: FingerCandidates, grasps: GraspCandidates, center: FloatArray) -> FloatArray:
@@ -34,6 +31,11 @@ def gravity_distance(fingers: FingerCandidates, grasps: GraspCandidates, center:
     contact = fingers.contact.take(grasps.i, axis=0)
     along = (fingers.contact.take(grasps.j, axis=0) - contact) / grasps.distance[:, None]
     return np.abs(cross(along, center - contact))
+
+
+def inside_share(fingers: FingerCandidates, grasps: GraspCandidates, silhouette: Silhouette) -> FloatArray:
+    """The share (p,) of each grasping line, from contact to contact, that lies inside the object."""
+    return share_inside(silhouette.loops, fingers.contact[grasps.i], fingers.contact[grasps.j])
 
 
 def volume_m3(whole: Silhouette) -> float:

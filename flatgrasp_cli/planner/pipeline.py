@@ -10,7 +10,7 @@ from flatgrasp_cli.planner.balance import force_balanced, torque_balanced
 from flatgrasp_cli.planner.contacts import touching
 from flatgrasp_cli.planner.fingers import finger_candidates, inward_directions, step_points
 from flatgrasp_cli.planner.grasping_range import closing_axes, in_range, on_pads
-from flatgrasp_cli.planner.gravity import weighed
+from flatgrasp_cli.planner.gravity import inside_share, weighed
 from flatgrasp_cli.planner.operability import operable
 from flatgrasp_cli.planner.variance import flat
 from flatgrasp_cli.profiles.gripper import Gripper
@@ -26,8 +26,8 @@ def section_three(
     settings: PlannerSettings,
     funnel: Funnel,
     top: int,
-) -> GraspCandidates:
-    """The best `top` grasps of an object whose `shape` was made by A.1 and A.2.
+) -> tuple[FingerCandidates, GraspCandidates]:
+    """The best `top` grasps of an object whose `shape` was made by A.1 and A.2, and what they are pairs of.
 
     The `funnel` counts what each step keeps, and raises `NothingLeft` if that is nothing.
     """
@@ -52,7 +52,15 @@ def section_three(
     grasps = weighed(fingers, grasps, shape)
     grasps = best_first(grasps, Situation(shape, surroundings, gripper, settings))
     trace.ranked, trace.gravity_distance_m = np.column_stack([grasps.i, grasps.j]), grasps.gravity_distance
-    return touching(grasps.first(top), fingers, gripper, settings.hand)
+    return fingers, grasps.first(top)
+
+
+def final(
+    fingers: FingerCandidates, grasps: GraspCandidates, shape: PlaneShape, gripper: Gripper, settings: PlannerSettings
+) -> GraspCandidates:
+    """The grasps with what is told of final ones alone: what their pads touch, and how much of their line is inside."""
+    grasps = touching(grasps, fingers, gripper, settings.hand)
+    return grasps.having(inside_share=inside_share(fingers, grasps, shape.silhouette))
 
 
 def _fingers(shape: PlaneShape, gripper: Gripper, settings: PlannerSettings, funnel: Funnel) -> FingerCandidates:

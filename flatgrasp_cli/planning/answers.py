@@ -1,8 +1,8 @@
-"""What the method finds of an object in one place or in several, and which of that is best."""
+"""What the method finds of an object in one place, and what is found out about its best grasps."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,37 +10,30 @@ import numpy as np
 from flatgrasp_cli.funnel import Funnel, NothingLeft
 from flatgrasp_cli.methods import METHODS
 from flatgrasp_cli.model import (
+    FingerCandidates,
     GraspCandidates,
     OrientedBox,
     PlaneShape,
     Reach,
     Rejection,
-    Silhouette,
     Stage,
     Trace,
 )
-from flatgrasp_cli.planner.gravity import gravity_center, volume_m3
-from flatgrasp_cli.planner.silhouette import silhouette_of
+from flatgrasp_cli.planner import final
 from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.proof import Certificates, certified, forgiven_m, is_caged, why_not
-from flatgrasp_cli.ranking import TIE, Situation
+from flatgrasp_cli.ranking import Situation
 from flatgrasp_cli.surroundings import Direction, Place, Surroundings
-
-CONSIDERED = 2000
-"""How many of an object's best grasps those to be listed are chosen from: all of them as a rule."""
-
-EXTRA_STAGES = {"palm_room", "seen", "upright"}
-"""Stages that there are only for some directions or levels: one that has them came no further for that."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Answer:
     """What the method found for an object in one place: grasps in the plane of its shape, best first, or a rejection.
 
-    What was not come to is None. `level_m` is the height above which the silhouette was taken. The hand comes from a
-    `direction`, None for straight down, which was not enough for the reason `why_not_top`. `reaches` are what a robot
-    makes of the first grasps.
+    What was not come to is None. `level_m` is the height above which the silhouette was taken. The grasps are pairs of
+    `fingers`, and those are None once the grasps are finished. The hand comes from a `direction`, None for straight
+    down, which was not enough for the reason `why_not_top`. `reaches` are what a robot makes of the first grasps.
     """
 
     funnel: tuple[Stage, ...]
@@ -50,6 +43,7 @@ class Answer:
     level_m: float | None = None
     shape: PlaneShape | None = None
     surroundings: Surroundings | None = None
+    fingers: FingerCandidates | None = None
     grasps: GraspCandidates | None = None
     certificates: Certificates | None = None
     direction: Direction | None = None
@@ -71,115 +65,14 @@ class Answer:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class Search:
-    """Runs the method in places, and compares what it finds there."""
-
-    gripper: Gripper
-    settings: PlannerSettings
-    reach: Callable[[Answer], tuple[Reach, ...]] | None = None
-    """What a robot makes of an answer's grasps; None without a robot."""
-    between: bool = False
-    """Whether hands come from the sides between those that are tried first."""
-
-    @property
-    def _cages_decide(self) -> bool:
-        return self.settings.caging.require or self.settings.ranking.prefer == "cage"
-
-    def whole(self, place: Place, slices: Iterable[Place], most_m3: float = np.inf) -> Answer:
-        """The best answer for one direction: of the whole, or of a slice, about the gravity centre of the whole.
-
-        The object has no more than the volume that is known from another direction, `most_m3`.
-        """
-        silhouette = _silhouette(place, self.settings)
-        center, volume = gravity_center(silhouette, self.settings.gravity), min(volume_m3(silhouette), most_m3)
-        best = self._in(place, PlaneShape(place.box, silhouette, center, volume))
-        for part in slices:
-            if self._is_sure(best):
-                break  # and no further slice is made
-            shape = PlaneShape(part.box, _silhouette(part, self.settings), center, volume)
-            best = self.better(best, self._in(part, shape))
-        return best if best.grasps is None or self.reach is None else replace(best, reaches=self.reach(best))
-
-    def is_enough(self, best: Answer) -> bool:
-        """Whether it is not worth looking for anything better than the `best` answer from other directions."""
-        if best.grasps is None or not best.is_served:
-            return False
-        return not self._by_probability or bool(best.grasps.merit[0] >= self.settings.approach.enough)
-
-    def shortcoming(self, top: Answer) -> str | None:
-        """Why straight down, with the answer `top`, was not enough."""
-        if top.grasps is None:
-            return top.rejection.reason if top.rejection else None
-        if not top.is_served:
-            return "the robot reaches none of the grasps from straight above"
-        return f"from straight above the best grasp holds with a probability of {float(top.grasps.merit[0]):.2f}"
-
-    @property
-    def _by_probability(self) -> bool:
-        """Whether what is best is what most probably holds."""
-        return self.settings.ranking.prefer == "success" and self.settings.method != "allen"
-
-    def better(self, one: Answer, other: Answer) -> Answer:
-        """The better one of two answers; of two that hold as probably, the one nearer to the centre of gravity."""
-        if self._tie(one, other):
-            return min(one, other, key=_first_distance)
-        return min(one, other, key=self._order)
-
-    def _tie(self, one: Answer, other: Answer) -> bool:
-        """Whether both best grasps hold as probably as the other."""
-        if one.grasps is None or other.grasps is None or not self._by_probability or one.is_served != other.is_served:
-            return False
-        return abs(float(one.grasps.merit[0] - other.grasps.merit[0])) <= TIE
-
-    def _in(self, place: Place, shape: PlaneShape) -> Answer:
-        """What the method finds in a place, in the order that the settings prefer."""
-        considered = self.settings.caging.considered if self._cages_decide else CONSIDERED
-        found = _answer(place, shape, self.gripper, self.settings, considered)
-        return _by_certificates(found, self.gripper, self.settings) if self._cages_decide else found
-
-    def _is_sure(self, best: Answer) -> bool:
-        """Whether no grasp of a higher slice can be better than the `best` one, which holds but for a tie."""
-        if best.grasps is None or self._cages_decide:
-            return False
-        return self._by_probability and bool(best.grasps.merit[0] >= 1 - TIE)
-
-    def _order(self, answer: Answer) -> tuple[bool, bool, bool, float, float]:
-        """By the best grasp's cage, or how probably it holds; last those without, the one first that came furthest."""
-        if answer.grasps is None:
-            return (True, True, True, *_nearest_miss(answer))
-        refused = not answer.is_served
-        if self.settings.ranking.prefer == "cage":
-            return (False, refused, *_surest_first(answer.grasps, answer.certificates, 0))
-        return (False, refused, False, -float(answer.grasps.merit[0]), float(answer.grasps.gravity_distance[0]))
-
-
-def _nearest_miss(answer: Answer) -> tuple[float, float]:
-    """The order of answers without a grasp: that first which came furthest, and there nearest to the limit."""
-    miss, came = answer.rejection, len([stage for stage in answer.funnel if stage.stage not in EXTRA_STAGES])
-    if miss is None or miss.value is None or miss.limit is None:
-        return -float(came), np.inf
-    return -float(came), abs(miss.value - miss.limit)
-
-
-def _first_distance(answer: Answer) -> float:
-    """The gravity distance of an answer's best grasp."""
-    return float(answer.grasps.gravity_distance[0]) if answer.grasps is not None else np.inf
-
-
-def _silhouette(place: Place, settings: PlannerSettings) -> Silhouette:
-    """§III.A.2."""
-    return silhouette_of(place.points, place.frame, settings.silhouette, place.spacing_m)
-
-
-def _answer(place: Place, shape: PlaneShape, gripper: Gripper, settings: PlannerSettings, considered: int) -> Answer:
-    """What the method finds in one place."""
+def answer_in(place: Place, shape: PlaneShape, gripper: Gripper, settings: PlannerSettings, considered: int) -> Answer:
+    """What the method finds in one place: no more grasps than are `considered`."""
     funnel = Funnel()
     known = len(shape.silhouette.loops) > 0
-    grasps, rejection = None, None
+    fingers, grasps, rejection = None, None, None
     try:
         funnel.count("silhouette", len(shape.silhouette.loops), "the points are too scattered for an outline")
-        grasps = METHODS[settings.method](shape, place.surroundings, gripper, settings, funnel, considered)
+        fingers, grasps = METHODS[settings.method](shape, place.surroundings, gripper, settings, funnel, considered)
     except NothingLeft as end:
         rejection = end.rejection
     return Answer(
@@ -190,22 +83,23 @@ def _answer(place: Place, shape: PlaneShape, gripper: Gripper, settings: Planner
         level_m=place.surroundings.level_m,
         shape=shape if known else None,
         surroundings=place.surroundings,
+        fingers=fingers,
         grasps=grasps,
     )
 
 
-def _surest_first(grasps: GraspCandidates, certificates: Certificates | None, k: int) -> tuple[bool, float, float]:
+def surest_first(grasps: GraspCandidates, certificates: Certificates | None, k: int) -> tuple[bool, float, float]:
     """Grasps with a cage first, those before others that forgive the larger miss; then nearer the centre of gravity."""
     cage = None if certificates is None else certificates.cages[k]
     return (not is_caged(cage), -forgiven_m(cage), float(grasps.gravity_distance[k]))
 
 
-def _by_certificates(answer: Answer, gripper: Gripper, settings: PlannerSettings) -> Answer:
+def by_certificates(answer: Answer, gripper: Gripper, settings: PlannerSettings) -> Answer:
     """The answer with certificates, its grasps in the order that the settings prefer.
 
     With `caging.require`, grasps without a cage are no grasps.
     """
-    answer = proved(answer, gripper, settings)
+    answer = proved(finished(answer, gripper, settings), gripper, settings)
     if answer.grasps is None or answer.certificates is None:
         return answer
     grasps, cages = answer.grasps, answer.certificates.cages
@@ -217,8 +111,16 @@ def _by_certificates(answer: Answer, gripper: Gripper, settings: PlannerSettings
             reason = f"none of the {len(grasps)} best grasps is a cage: {why_not(cages[0])}"
             return replace(answer, grasps=None, certificates=None, funnel=funnel, rejection=Rejection("cage", reason))
     if settings.ranking.prefer == "cage":
-        kept.sort(key=lambda k: _surest_first(grasps, answer.certificates, k))
+        kept.sort(key=lambda k: surest_first(grasps, answer.certificates, k))
     return replace(answer.of(kept), funnel=funnel)
+
+
+def finished(answer: Answer, gripper: Gripper, settings: PlannerSettings) -> Answer:
+    """The answer with what only final grasps are asked for, unless that is known already."""
+    if answer.grasps is None or answer.shape is None or answer.fingers is None:
+        return answer
+    grasps = final(answer.fingers, answer.grasps, answer.shape, gripper, settings)
+    return replace(answer, fingers=None, grasps=grasps)
 
 
 def proved(answer: Answer, gripper: Gripper, settings: PlannerSettings) -> Answer:

@@ -23,8 +23,9 @@ from flatgrasp_cli.model import (
     SupportPlane,
 )
 from flatgrasp_cli.planner.silhouette import without_strays
-from flatgrasp_cli.planning.answers import Answer, Search, assessed, proved
+from flatgrasp_cli.planning.answers import Answer, assessed, finished, proved
 from flatgrasp_cli.planning.objects import answer_for
+from flatgrasp_cli.planning.search import Search
 from flatgrasp_cli.profiles import Gripper, PlannerSettings, Robot
 from flatgrasp_cli.proof import Certificates
 from flatgrasp_cli.ranking import CAUSES, by_probability, differing
@@ -76,7 +77,8 @@ def plan_object(
     listed = differing(answer.grasps, served, settings.variety, top)
     refused = differing(answer.grasps, [k for k in rows if not reaches[k].ok] if reaches else [], settings.variety, top)
     chosen = [*listed, *refused]
-    final = assessed(proved(answer.of(chosen), gripper, settings), gripper, settings)
+    final = proved(finished(answer.of(chosen), gripper, settings), gripper, settings)
+    final = assessed(final, gripper, settings)
     found = _lifted(final, plane, gripper, _motion(cloud, plane, gripper, settings), cloud.support)
     order = [*_order(final, len(listed), settings), *range(len(listed), len(chosen))]
     ranks = [*range(1, len(listed) + 1), *(k + 1 for k in refused)]

@@ -10,7 +10,8 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import ObjectCloud, OrientedBox, Rejection, Stage, Trace
 from flatgrasp_cli.planner.main_plane import oriented_box
-from flatgrasp_cli.planning.answers import Answer, Search
+from flatgrasp_cli.planning.answers import Answer
+from flatgrasp_cli.planning.search import Search
 from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.surroundings import (
     Direction,

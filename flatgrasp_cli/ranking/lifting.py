@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-
 from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.kernels import lifting as kernels
 
 STANDARD_GRAVITY = 9.80665
 STRESS = 1.5
@@ -14,18 +13,18 @@ STRESS = 1.5
 
 
 class Load(NamedTuple):
-    """What p grips have to bear in s samples: `mass` (s,), kg, at `arm` (p, s), metres beside the line of the contacts.
+    """An object that is lifted, in s samples of what is not known of it.
 
-    By `turn` (p, s), radians, it turns about that line until it hangs; `tilt` (p, s), metres, is the arm of its weight
-    about the pads' other axis, across the approach, above 0 on the side that the closing axis points to. `beyond` (p,)
-    is how far the object goes on from that line, metres, on the side of its middle.
+    The centre of its box of this `size` (3,), metres, is the plane's origin, and its centre of gravity is about
+    `middle` (2,). Really it pulls at `pulls` (s, 2), with the weight of `mass` (s,), kg, along the unit vector `down`
+    (3,): to a hand that comes aslant the object's middle may lie beside the contacts by being deeper.
     """
 
+    size: FloatArray
+    middle: FloatArray
+    pulls: FloatArray
     mass: FloatArray
-    arm: FloatArray
-    turn: FloatArray
-    tilt: FloatArray
-    beyond: FloatArray
+    down: FloatArray
 
 
 class Needs(NamedTuple):
@@ -42,10 +41,12 @@ class Needs(NamedTuple):
     tilt: FloatArray
 
 
-def friction_to_lift(load: Load, force_n: float, pads: FloatArray, lift_m: float) -> Needs:
+def friction_to_lift(load: Load, hands: FloatArray, grips: FloatArray, force_n: float, lift_m: float) -> Needs:
     """The friction that p grips need in s samples, whose fingers press with `force_n` newtons.
 
-    `pads` (p, 2) are the width and the height that they cover, metres. Weight: 2·μ·N ≥ m·(g + a). Turning: evenly
+    The `grips` (p, 7) are the centre, the closing axis, the height of the fingertips, and the width and the height that
+    the pads cover, metres; really `hands` (p, s, 5) stand there, rows of centre, closing axis and half the opening.
+    Weight: 2·μ·N ≥ m·(g + a). Turning, about the line of the contacts, by the arm of the weight beside that: evenly
     pressed pads bear the torque 2·μ·N·r, r being the mean distance from their middle. What turns nevertheless hangs
     down from the hand: its centre of gravity comes up by the arm less than the lift's height `lift_m`. If it goes on
     for more than that, its far end stays where it lay, and the centre comes up by the share 1 − arm/beyond of the lift.
@@ -59,16 +60,6 @@ def friction_to_lift(load: Load, force_n: float, pads: FloatArray, lift_m: float
     Tilting: the forces of both pads move to opposite ends of the height h that they hold and bear N·h, and friction
     bears μ·N·b besides, b being how far apart they are; what tilts further is levered out.
     """
-    weight, radius = load.mass * STANDARD_GRAVITY / (2 * force_n), _mean_radius(pads)[:, None]
-    too_low = load.arm > 0.5 * np.maximum(load.beyond, lift_m)[:, None]
-    slide = np.where(too_low, np.inf, radius * load.turn)
-    return Needs(STRESS * weight, weight * load.arm / radius, slide, 2 * weight * load.tilt)
-
-
-def _mean_radius(pads: FloatArray) -> FloatArray:
-    """The mean distance (p,) of a rectangle's points from its middle, metres, by its sides `pads` (p, 2)."""
-    wide, high = np.maximum(pads, np.finfo(np.float64).eps).T  # pads that hold nothing cover no height
-    return np.asarray(
-        (2 * np.hypot(wide, high) + wide**2 / high * np.arcsinh(high / wide) + high**2 / wide * np.arcsinh(wide / high))
-        / 12
-    )
+    weight = load.mass * STANDARD_GRAVITY / (2 * force_n)
+    turning, slide, tilt = kernels.needs(hands, grips, *load[:3], weight, load.down, lift_m)
+    return Needs(STRESS * weight, turning, slide, tilt)

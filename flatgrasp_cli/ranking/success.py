@@ -14,7 +14,6 @@ from functools import cached_property
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray
-from flatgrasp_cli.geometry.polygon import dot, left_normal
 from flatgrasp_cli.kernels import trial as kernels
 from flatgrasp_cli.model import GraspCandidates, OpenHands, PlaneShape, Tolerance
 from flatgrasp_cli.profiles.gripper import Gripper
@@ -93,11 +92,12 @@ class Situation:
         depends on friction alone, or on what was not seen, is a chance in each sample; all else is 0 or 1 there.
         """
         errors, unsure = self.errors, self.unsure
-        wanted = np.concatenate([grasps.center, grasps.axis, 0.5 * grasps.opening[:, None]], axis=1)
-        hands = OpenHands(kernels.moved(wanted, errors.misses), grasps.tip[:, None] + errors.height)
         force_n, grip_m = self.gripper.max_force_n or unsure.force_n, self._grip_m(grasps)
-        pads = np.column_stack([np.full(len(grasps), self.gripper.finger_width_m), grip_m])
-        to_lift = friction_to_lift(self._load(grasps, hands), force_n, pads, self.settings.depth.lift_m)
+        where = np.concatenate([grasps.center, grasps.axis], axis=1)
+        wanted = np.column_stack([where, 0.5 * grasps.opening])
+        hands = OpenHands(kernels.moved(wanted, errors.misses), grasps.tip[:, None] + errors.height)
+        grips = np.column_stack([where, grasps.tip, np.full(len(grasps), self.gripper.finger_width_m), grip_m])
+        to_lift = friction_to_lift(self._load, hands.where, grips, force_n, self.settings.depth.lift_m)
         met = np.empty((10, *inside.shape))
         met[:4] = closed(self.shape.silhouette.loops, hands, self.gripper, self.settings.hand.contact_tolerance_m)
         met[4:6] = self.surroundings.stopped(hands, self.gripper)
@@ -118,29 +118,18 @@ class Situation:
         alone = min(self.gripper.finger_length_m, float(self.shape.box.size[2]))
         return np.where(np.isnan(grasps.grip), alone, grasps.grip)
 
-    def _load(self, grasps: GraspCandidates, hands: OpenHands) -> Load:
-        """What k grasps, by such `hands`, have to bear.
-
-        The weight pulls along `down`: to a hand that comes aslant the object's middle may lie beside the contacts by
-        being deeper.
-        """
-        errors, known, down = self.errors, self.settings.caging.mass_kg, self.surroundings.down
-        length, breadth, deep = self.shape.box.size.tolist()
-        middle = self.shape.gravity_center.place
-        over = 0.5 * deep - grasps.tip - 0.5 * self._grip_m(grasps)
-        pulls = middle + max(length, breadth) * errors.center
-        arm, turn, tilt = kernels.arms(hands.where, pulls, over, down)
-        mass = errors.density * self.shape.volume_m3 if known is None else np.full(len(errors), known)
-        aslant = float(np.linalg.norm(down[:2]))
-        beyond = np.hypot(self._beyond(grasps), aslant * (np.abs(over) + 0.5 * deep))
-        return Load(mass=mass, arm=arm, turn=turn, tilt=tilt, beyond=beyond)
-
-    def _beyond(self, grasps: GraspCandidates) -> FloatArray:
-        """How far (k,) the object's box goes on in the plane from the line through the pads, on its middle's side."""
-        beside = left_normal(grasps.axis)
-        pads = dot(grasps.center, beside)  # from the box's centre, where its frame has its origin
-        half = 0.5 * np.abs(beside) @ self.shape.box.size[:2]
-        return np.asarray(half - np.where(beside @ self.shape.gravity_center.place < pads, -pads, pads))
+    @cached_property
+    def _load(self) -> Load:
+        """What any grasp has to bear."""
+        errors, known = self.errors, self.settings.caging.mass_kg
+        size, middle = self.shape.box.size, self.shape.gravity_center.place
+        return Load(
+            size=size,
+            middle=middle,
+            pulls=middle + float(size[:2].max()) * errors.center,
+            mass=errors.density * self.shape.volume_m3 if known is None else np.full(len(errors), known),
+            down=self.surroundings.down,
+        )
 
 
 def _inside(tolerances: Sequence[Tolerance | None], grasps: GraspCandidates, errors: Errors) -> BoolArray:

@@ -28,7 +28,7 @@ from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 from flatgrasp_cli.geometry.sampling import spread_indices
 from flatgrasp_cli.model import Grasp
 from flatgrasp_cli.planner import silhouette
-from flatgrasp_cli.planning.answers import Search
+from flatgrasp_cli.planning.search import Search
 from flatgrasp_cli.profiles import Gripper
 from flatgrasp_cli.ranking import TIE
 from flatgrasp_cli.results.figures import as_png, final_figure

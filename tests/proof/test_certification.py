@@ -13,7 +13,7 @@ import shapely
 from flatgrasp_cli import load_settings, plan, read_clouds
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.model import Cloud, Grasp
-from flatgrasp_cli.planning import answers
+from flatgrasp_cli.planning import answers, search
 from flatgrasp_cli.profiles import Gripper
 from flatgrasp_cli.proof import certified, forgiven_m, is_caged
 from flatgrasp_cli.results.figures.cage import way_out
@@ -249,13 +249,13 @@ def test_the_best_of_all_slices_wins(options: tuple[str, ...], pr2: Gripper, mon
     """Neither what cages forgive nor the depth of the point fingers' cages has a most: no slice may be left out."""
     (cloud,) = read_clouds(SAMPLES / "pan_on_table.pcd")
     seen: list[answers.Answer] = []
-    real = answers._answer
+    real = answers.answer_in
 
     def watched(*args: Any) -> answers.Answer:
         seen.append(real(*args))
         return seen[-1]
 
-    monkeypatch.setattr(answers, "_answer", watched)
+    monkeypatch.setattr(search, "answer_in", watched)
     winner = best(cloud, pr2, *options)
     found = [each.grasps for each in seen if each.grasps is not None]
     assert len(found) > 1
@@ -265,7 +265,7 @@ def test_the_best_of_all_slices_wins(options: tuple[str, ...], pr2: Gripper, mon
         return
     settings = load_settings("default", options).resolve(pr2)
     forgiven = []
-    for each in seen:
+    for each in (answers.finished(each, pr2, settings) for each in seen):
         if each.grasps is not None and each.shape is not None:
             _, proved = certified(each.grasps, each.shape.silhouette, pr2, settings)
             forgiven += [forgiven_m(cage) for cage in proved.cages if is_caged(cage)]

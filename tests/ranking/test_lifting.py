@@ -5,20 +5,30 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.ranking.lifting import Load, Needs, friction_to_lift
 from tests.by_hand import MM
 
-PADS = np.array([[20 * MM, 20 * MM]])
 QUARTER = np.pi / 2
 
 
 def needs(
-    mass_kg: float, arm_mm: float, beyond_mm: float = 300.0, force_n: float = 40.0, pads: FloatArray = PADS
+    mass_kg: float,
+    arm_mm: float,
+    beyond_mm: float = 300.0,
+    force_n: float = 40.0,
+    pads_mm: tuple[float, float] = (20.0, 20.0),
 ) -> Needs:
-    arm = np.array([[arm_mm * MM]])
-    load = Load(np.array([mass_kg]), arm, np.array([[QUARTER]]), arm, np.array([beyond_mm * MM]))
-    return friction_to_lift(load, force_n, pads, 100 * MM)
+    """Of a flat object that is held at its box's centre, and whose weight pulls beside that to both sides."""
+    wide, high = pads_mm[0] * MM, pads_mm[1] * MM
+    grips = np.array([[0.0, 0.0, 0.0, 1.0, -0.5 * high, wide, high]])
+    load = Load(
+        size=np.array([2 * beyond_mm * MM, 20 * MM, 0.0]),
+        middle=np.zeros(2),
+        pulls=np.array([[arm_mm * MM, arm_mm * MM]]),
+        mass=np.array([mass_kg]),
+        down=np.array([0.0, 0.0, -1.0]),
+    )
+    return friction_to_lift(load, np.array([[[0.0, 0.0, 0.0, 1.0, 0.03]]]), grips, force_n, 100 * MM)
 
 
 def test_two_pads_bear_the_weight_and_half_as_much_again() -> None:
@@ -32,8 +42,7 @@ def test_a_pad_bears_a_torque_with_the_arm_that_its_points_have_on_average(wide_
     """The mean distance from its middle: 7.7 mm of a square of 20 mm, 5.7 mm of a strip of 22 mm × 4 mm."""
     places = [np.linspace(-0.5, 0.5, 401) * side for side in (wide_mm, high_mm)]
     arm_mm = float(np.hypot(*np.meshgrid(*places)).mean())
-    pads = np.array([[wide_mm * MM, high_mm * MM]])
-    found = needs(1.0, arm_mm, pads=pads)
+    found = needs(1.0, arm_mm, pads_mm=(wide_mm, high_mm))
     assert found.turning[0, 0] == pytest.approx(9.80665 / 80, rel=0.01)
     assert found.slide[0, 0] == pytest.approx(arm_mm * MM * QUARTER, rel=0.01)
 
