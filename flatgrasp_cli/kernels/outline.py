@@ -108,9 +108,9 @@ def places(
     for index in range(positions.shape[0]):
         at: cython.double = fmod(positions[index], arc[count])
         at = at + arc[count] if at < 0 else at
-        if at < arc[edge]:
-            edge = 0
-        while edge + 1 < count and arc[edge + 1] <= at:  # as a rule they are in order
+        while at < arc[edge]:  # as a rule the next one is near
+            edge -= 1
+        while edge + 1 < count and arc[edge + 1] <= at:
             edge += 1
         after: cython.Py_ssize_t = edge + 1 if edge + 1 < count else 0
         length: cython.double = arc[edge + 1] - arc[edge]

@@ -84,11 +84,12 @@ def _candidates_of_loop(
     jaw = np.repeat(list(widths), len(steps.positions))
     width = np.repeat(list(widths.values()), len(steps.positions))
     begins = np.tile(steps.positions, len(widths))
-    ends, arc = polygon.circle_exits(loop, begins, width), polygon.arc_positions(loop)
-    found = np.isfinite(ends) & ((ends < arc[-1]) | (settings.walk == "cyclic"))
+    ends = polygon.circle_exits(loop, begins, width)
+    perimeter = polygon.arc_positions(loop)[-1]
+    found = np.isfinite(ends) & ((ends < perimeter) | (settings.walk == "cyclic"))
     found &= ends - begins <= (settings.arc_ratio_max or np.inf) * width
     begins, ends, width = begins[found], ends[found], width[found]
-    arcs = kernels.arcs(loop, arc, begins, ends, ALONG_ARC)
+    arcs = polygon.points_at(loop, begins[:, None] + ALONG_ARC * (ends - begins)[:, None])
     start, end = arcs[:, 0], arcs[:, -1]
     normal = polygon.left_normal(end - start)
     return FingerCandidates(

@@ -61,5 +61,5 @@ def friction_to_lift(load: Load, hands: FloatArray, grips: FloatArray, force_n: 
     bears μ·N·b besides, b being how far apart they are; what tilts further is levered out.
     """
     weight = load.mass * STANDARD_GRAVITY / (2 * force_n)
-    turning, slide, tilt = kernels.needs(hands, grips, *load[:3], weight, load.down, lift_m)
+    turning, slide, tilt = kernels.needs(hands, grips, load.size, load.middle, load.pulls, weight, load.down, lift_m)
     return Needs(STRESS * weight, turning, slide, tilt)
