@@ -29,7 +29,7 @@ from flatgrasp_cli.planning.search import Search
 from flatgrasp_cli.profiles import Gripper, PlannerSettings, Robot
 from flatgrasp_cli.proof import Certificates
 from flatgrasp_cli.ranking import CAUSES, by_probability, differing
-from flatgrasp_cli.robot import Motion, Plane, flange_at, reach, way_to
+from flatgrasp_cli.robot import Motion, Plane, flange_at, is_too_far, reach, way_to
 from flatgrasp_cli.surroundings import tilt_deg
 
 SAME_WAY = 1e-5
@@ -91,14 +91,30 @@ def plan_object(
 
 def _search(cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings, robot: Robot | None) -> Search:
     """What looks for grasps, those first that a robot reaches, if there is one."""
+    if robot is None:
+        return Search(gripper, settings)
+    tools = (gripper.tool_length_m(0.0), gripper.tool_length_m(gripper.max_opening_m))
 
     def reaches(answer: Answer) -> tuple[Reach, ...]:
         assert answer.grasps is not None and answer.shape is not None  # noqa: S101, PT018 (asked only where there are)
         plane, first = answer.shape.silhouette.frame, answer.grasps.first(REACH_CANDIDATES)
         motion = _motion(cloud, plane, gripper, settings)
-        return _reaches(first, plane, gripper, motion, robot, cloud.support) if robot else ()
+        return _reaches(first, plane, gripper, motion, robot, cloud.support)
 
-    return Search(gripper, settings, reaches if robot else None)
+    def is_too_far_from(toward: FloatArray) -> bool:
+        tips = _between_table_and_top(cloud)
+        grasp = np.concatenate([tips + tool * toward for tool in tools])
+        return is_too_far(robot, grasp) or is_too_far(robot, grasp + settings.depth.approach_m * toward)
+
+    return Search(gripper, settings, reaches, is_too_far_from)
+
+
+def _between_table_and_top(cloud: ObjectCloud) -> FloatArray:
+    """Places (n, 3) around all those where fingertips hold an object: its points, and their feet on its support."""
+    if cloud.support is None:
+        return cloud.points
+    feet = cloud.points - cloud.support.heights(cloud.points)[:, None] * cloud.support.normal
+    return np.concatenate([cloud.points, feet])
 
 
 def _order(final: Answer, count: int, settings: PlannerSettings) -> list[int]:

@@ -81,6 +81,8 @@ def _best_of(
 ) -> Answer | None:
     """The best of an answer and those for hands that come some `ways`, as far as they are tried."""
     for direction in ways:
+        if search.is_in_vain(direction.toward, best):
+            continue
         answer = _from(search, tilted, direction, most_m3)
         best = search.better(best, answer) if best and answer else best or answer
         if best is not None and search.settings.approach.directions == "auto" and search.is_enough(best):

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import PlaneShape, Reach, Silhouette
 from flatgrasp_cli.planner.gravity import gravity_center, volume_m3
 from flatgrasp_cli.planner.silhouette import silhouette_of
@@ -31,6 +32,8 @@ class Search:
     settings: PlannerSettings
     reach: Callable[[Answer], tuple[Reach, ...]] | None = None
     """What a robot makes of an answer's grasps; None without a robot."""
+    is_too_far: Callable[[FloatArray], bool] | None = None
+    """Whether a robot is too far away to bring its hand against a direction (3,); None without a robot."""
     between: bool = False
     """Whether hands come from the sides between those that are tried first."""
 
@@ -58,6 +61,12 @@ class Search:
         if best.grasps is None or not best.is_served:
             return False
         return not self._by_probability or bool(best.grasps.merit[0] >= self.settings.approach.enough)
+
+    def is_in_vain(self, toward: FloatArray, best: Answer | None) -> bool:
+        """Whether a hand against `toward` (3,) finds nothing better than the `best` answer: the arm gets it nowhere."""
+        if self.is_too_far is None or best is None or best.grasps is None:
+            return False
+        return self.is_too_far(toward)
 
     def shortcoming(self, top: Answer) -> str | None:
         """Why straight down, with the answer `top`, was not enough."""

@@ -46,6 +46,10 @@ class Arm(Protocol):
         """Where the second joint is (3,), which the arm's reach is measured from."""
 
     @property
+    def span_m(self) -> float:
+        """The flange gets no farther from the shoulder than this, metres: with the links stretched, in any pose."""
+
+    @property
     def turns_the_flange(self) -> bool:
         """Whether the last joint turns about the flange's z axis."""
 
@@ -76,6 +80,8 @@ class UrArm:
     def __init__(self, robot: Robot, dh: DenavitHartenberg) -> None:
         self._dh, self._base = dh, robot.base_frame
         self.shoulder: FloatArray = np.array([0.0, 0.0, dh.d_m[0]])
+        in_plane = abs(dh.a_m[1]) + abs(dh.a_m[2]) + abs(dh.d_m[4])  # of upper arm, forearm and wrist 2; wrist 1 beside
+        self.span_m = float(np.hypot(in_plane, dh.d_m[3])) + abs(dh.d_m[5])
         links = robot.links
         self.radii_m: FloatArray = np.array(
             [links.elbow_m, max(links.forearm_m, links.wrist_m), links.wrist_m, links.wrist_m]
@@ -119,9 +125,12 @@ class ChainArm:
         self._lower, self._upper = (np.radians(each) for each in (robot.joints.lower_deg, robot.joints.upper_deg))
         self._solver = ClosedForm(robot.name, self._joints, robot.lock, (self._lower, self._upper))
         self.shoulder = self._joints.points[1]
+        links = np.diff([*self._joints.points[1:], self._joints.position], axis=0)
+        aside = float(np.linalg.norm(np.cross(self._joints.axes[0], self.shoulder - self._joints.points[0])))
+        self.span_m = float(np.linalg.norm(links, axis=1).sum()) + 2 * aside  # the shoulder itself goes round the base
         before_wrist = robot.count - 5  # joints from the third to the one before the wrist's three
-        links, self._reference = robot.links, np.radians(robot.reach.reference_deg)
-        self.radii_m: FloatArray = np.array([links.elbow_m] * before_wrist + [links.wrist_m] * 3)
+        radii, self._reference = robot.links, np.radians(robot.reach.reference_deg)
+        self.radii_m: FloatArray = np.array([radii.elbow_m] * before_wrist + [radii.wrist_m] * 3)
         drawn = np.random.default_rng(0).uniform(self._lower, self._upper, (STANCES, robot.count))
         self.most_manipulability = float(self.manipulability(drawn.T).max())
         z, arm = self._joints.turn[:, 2], self._joints.position - self._joints.points[-1]

@@ -55,6 +55,17 @@ def reach(
     return tuple(answer for batch in batches for answer in follower.follow(flange[batch], axes[batch]))
 
 
+def is_too_far(robot: Robot, places: FloatArray) -> bool:
+    """Whether the arm, stretched, brings its flange nowhere between `places` (n, 3) in the robot's `base_frame`.
+
+    That is so if it ends short of the ball around them.
+    """
+    arm = arm_of(robot)
+    middle = places.mean(axis=0)
+    radius = np.linalg.norm(places - middle, axis=1).max()
+    return bool(np.linalg.norm(middle - arm.in_own_base(arm.shoulder)) > arm.span_m + radius)
+
+
 class _Follower:
     """A robot, a motion and a table in the base of its kinematics, ready to follow batches of grasps."""
 

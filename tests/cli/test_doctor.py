@@ -67,7 +67,7 @@ def test_a_tree_that_was_not_installed_is_no_fault(run: Run, monkeypatch: pytest
     assert "never installed" in done.out
 
 
-@pytest.mark.parametrize(("box", "word"), [((0.12, 0.06, 0.03), "taken for"), ((0.3, 0.3, 0.03), "no grasp")])
+@pytest.mark.parametrize(("box", "word"), [((0.12, 0.06, 0.03), "taken for"), ((0.12, 0.06, 0.001), "no grasp")])
 def test_a_wrong_answer_fails(
     box: tuple[float, float, float], word: str, run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:

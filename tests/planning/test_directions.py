@@ -88,6 +88,29 @@ def test_a_direction_that_the_arm_cannot_serve_falls_out() -> None:
     assert found.objects[0].why_not_top == "the robot reaches none of the grasps from straight above"
 
 
+@pytest.mark.parametrize(("x_m", "tried"), [(1.15, True), (1.6, False)])
+def test_directions_from_which_the_arm_is_too_short_are_not_tried(
+    x_m: float, tried: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """From straight above an UR5 reaches neither thing; from its own side it might reach the nearer one."""
+    ways, from_one = [], objects._from
+
+    def spied(search: Any, tilted: Any, direction: Direction, most_m3: float) -> Any:
+        ways.append(direction.toward)
+        return from_one(search, tilted, direction, most_m3)
+
+    monkeypatch.setattr(objects, "_from", spied)
+    thing, camera = Box((x_m, 0.0, 0.02), (0.1, 0.04, 0.04)), Camera(target=(x_m, 0.0, 0.0))
+    table = Box((x_m, 0.0, -0.01), (0.9, 0.7, 0.02))
+    asked = ("approach.tilts_deg=[60]", "approach.around=4")
+    found = plan(
+        camera.sees(table, thing), load_gripper("pr2"), load_settings("default", asked), robot=load_robot("ur5")
+    )
+    assert str(found.reason).startswith("ur5 reaches none of the ")
+    assert bool(ways) == tried
+    assert all(toward[0] < 0.1 for toward in ways)  # never from beyond it
+
+
 def test_the_document_says_which_way_the_hand_comes_and_why_not_straight_down() -> None:
     board, below = Box((0.0, 0.14, 0.26), (0.7, 0.28, 0.02)), Box((0.05, 0.12, 0.05), (0.05, 0.05, 0.1))
     shelf = Camera(tilt_deg=60, distance=0.9, target=(0.0, 0.05, 0.1), pixels=(400, 300), focal=400.0)
@@ -125,7 +148,7 @@ def test_where_nothing_has_a_grasp_the_sides_between_those_are_tried(
 
 
 def test_without_a_grasp_the_nearest_miss_of_all_directions_is_named() -> None:
-    found = planned(Box((0.0, 0.0, 0.1), (0.3, 0.15, 0.2)))
+    found = planned(Box((0.0, 0.0, 0.1), (0.3, 0.15, 0.2)), tilts_deg="[60, 90]", around=4)
     assert found.best is None
     straight, aslant = str(found.reason).split("; ", 1)
     assert "narrowest graspable width" in straight

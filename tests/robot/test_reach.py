@@ -17,9 +17,11 @@ from flatgrasp_cli.profiles.robot import Robot
 from flatgrasp_cli.robot import (
     Motion,
     Plane,
+    arm_of,
     forward,
     in_dh_base,
     inverse,
+    is_too_far,
     manipulability,
     max_manipulability,
     reach,
@@ -27,6 +29,7 @@ from flatgrasp_cli.robot import (
 from tests.robot.arms import (
     DOWN,
     LAX,
+    ROBOTS,
     STILL,
     UP,
     UR5,
@@ -68,6 +71,23 @@ def test_reach_ends_where_the_links_are_stretched(height_m: float) -> None:
     edge = farthest_x(height_m)
     assert asked(LAX, [edge - 1e-6, 0.0, height_m], STILL).ok
     assert asked(LAX, [edge + 1e-6, 0.0, height_m], STILL).limit == "out of reach"
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_no_pose_takes_the_flange_farther_than_the_links_stretched(name: str) -> None:
+    robot = load_robot(name)
+    joints = random_joints(20_000)
+    joints[:, 2] *= 0.02  # nearly stretched elbows
+    far = np.linalg.norm(flange(robot, joints)[0] - arm_of(robot).shoulder, axis=1)
+    assert 0.9 * arm_of(robot).span_m < far.max() <= arm_of(robot).span_m
+
+
+def test_what_no_place_in_reach_is_near_is_too_far() -> None:
+    span = arm_of(UR5).span_m
+    ends = np.array([[0.0, 0.0, 0.1], [0.0, 0.2, 0.1], [0.0, 0.1, 0.0892]])  # a ball of 0.1 m, as high as the shoulder
+    for base in (UR5, UR5.model_copy(update={"base_frame": "base_link"})):
+        assert not is_too_far(base, ends + np.array([span + 0.09, -0.1, 0.0]))
+        assert is_too_far(base, ends + np.array([span + 0.12, -0.1, 0.0]))
 
 
 def test_the_grasp_alone_is_too_far() -> None:
