@@ -44,10 +44,12 @@ def letters_of_pictures() -> Iterator[None]:
         yield
 
 
-def seen(*solids: Box | Tube, gripper: str = "pr2", robot: str | None = None, tilt_deg: float = 30) -> Plan:
-    """The plan of a table seen from before it."""
+def seen(
+    *solids: Box | Tube, gripper: str = "pr2", robot: str | None = None, tilt_deg: float = 30, around: int = 8
+) -> Plan:
+    """The plan of a table seen from before it; hands come from so many sides `around` where straight down fails."""
     cloud = Camera(tilt_deg=tilt_deg, target=(0.4, 0.0, 0.0), distance=0.9).sees(GROUND, *solids)
-    settings = load_settings("default", ("scene.mode=table",))
+    settings = load_settings("default", ("scene.mode=table", f"approach.around={around}"))
     return plan(cloud, load_gripper(gripper), settings, robot=load_robot(robot) if robot else None)
 
 
@@ -92,7 +94,7 @@ PLANS: dict[str, Callable[[], Plan]] = {
     "alone": lambda: of_sample("teddy_bear"),
     "scene": lambda: of_sample("table_scene", "pr2"),
     "ten objects": ten_objects,
-    "no grasp": lambda: seen(Box((0.4, 0.0, 0.03), (0.15, 0.15, 0.06))),
+    "no grasp": lambda: seen(Box((0.4, 0.0, 0.03), (0.15, 0.15, 0.06)), around=3),
     "empty table": seen,
     "narrow": lambda: seen(Box((0.4, 0.0, 0.01), (0.25, 0.008, 0.02))),
     "robot": lambda: seen(BAR, robot="ur5"),
@@ -192,7 +194,7 @@ def test_marks_of_contacts_point_at_them_from_outside() -> None:
 @pytest.mark.parametrize("size", [0.05, 0.15])
 def test_the_frames_axes_cover_no_object(size: float) -> None:
     """A square thing fills its close-up but for the room that is left for them."""
-    result = seen(Box((0.4, 0.0, 0.03), (size, size, 0.06)))
+    result = seen(Box((0.4, 0.0, 0.03), (size, size, 0.06)), around=3)
     (item,) = result.objects
     outline = item.silhouette
     assert outline is not None

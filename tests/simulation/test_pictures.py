@@ -13,6 +13,7 @@ from PIL import Image
 from flatgrasp_cli import load_gripper, load_robot, load_settings
 from flatgrasp_cli.job import Job
 from flatgrasp_cli.placing import workcell
+from flatgrasp_cli.simulation import pictures as drawing
 from flatgrasp_cli.simulation.parts import Kind
 from flatgrasp_cli.simulation.pictures import FILM_PX, film, trial_figure
 from flatgrasp_cli.simulation.rendering import COLORS, eye_on, picture
@@ -122,7 +123,9 @@ def test_without_an_object_the_picture_says_why(filmed: Trial) -> None:
     assert "hammer: no grasp" in figure.get_suptitle()
 
 
-def test_the_command_draws_and_films(run: Run) -> None:
+def test_the_command_draws_and_films(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    small = (FILM_PX[0] // 4, FILM_PX[1] // 4)
+    monkeypatch.setattr(drawing, "FILM_PX", small)
     options = ("-g", "robotiq_2f_85", "--robot", "none", "--trials", "1", "--plots", "--film", "it.gif", "-o", "out")
     done = run("simulate", "juice_box", *options)
     assert done.code == 0
@@ -131,7 +134,7 @@ def test_the_command_draws_and_films(run: Run) -> None:
     assert drawn is not None
     assert drawn.shape[1] == 1200
     with Image.open("it.gif") as pictures:
-        assert (pictures.size, pictures.n_frames > 30) == (FILM_PX, True)  # type: ignore[attr-defined]
+        assert (pictures.size, pictures.n_frames > 30) == (small, True)  # type: ignore[attr-defined]
     refused = run("simulate", "juice_box", "--film", "it.mp4")
     assert (refused.code, "it.mp4: a film is a GIF; give FILE.gif" in refused.err) == (2, True)
 
