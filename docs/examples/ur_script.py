@@ -17,7 +17,7 @@ grasp = document["objects"][0]["grasps"][0]
 
 print("def grasp():\n  set_tcp(p[0, 0, 0, 0, 0, 0])  # the poses are the flange's")
 print(f"  movej({grasp['reach']['joints_rad']['pre_grasp']})  # open the hand to {grasp['opening_m']} m here")
-for name, note in (("pose", "close the hand here"), ("lift", "with the object")):
+for name, note in (("pose", "close the hand here"), ("pre_grasp", "back with the object"), ("lift", "up")):
     pose = grasp["flange"][name]
     turn = Rotation.from_quat(pose["orientation"]).as_rotvec().tolist()
     print(f"  movel(p{pose['position'] + turn}, a=0.3, v=0.1)  # {note}")

@@ -24,6 +24,8 @@ LOCAL_CLUSTER = "local"
 EXTRA = "pip install 'flatgrasp[cluster]'"
 WORKER_MEMORY = {"distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": 1 << 28}
 """Dask has workers give every freed array back to the system at once: planning would take half as long again."""
+CLOSING_S = 5.0
+"""Seconds that the queues of ended workers have to close: usually some milliseconds, but a message may be cut off."""
 
 
 class InProcess(Executor):
@@ -69,9 +71,12 @@ def _processes(workers: int) -> Iterator[Executor]:
     try:
         yield pool
     finally:
-        pool.shutdown(wait=False, cancel_futures=True)
         for process in multiprocessing.active_children():
             process.terminate()
+        # an interrupted process ends at once, and what its queues hold until then would be told of as leaked
+        closing = threading.Thread(target=pool.shutdown, kwargs={"cancel_futures": True}, daemon=True)
+        closing.start()
+        closing.join(CLOSING_S)
 
 
 class _Worker(SpawnProcess):

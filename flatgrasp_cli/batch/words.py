@@ -7,6 +7,7 @@ from typing import Any
 WORDS = {
     "scene": "no object was found",
     "main_plane": "too few points for a plane",
+    "approach": "no hand comes the way that was asked for",
     "silhouette": "too scattered or too small for an outline",
     "step_points": "outline too short for a finger",
     "finger_candidates": "no place for a finger on the outline",

@@ -23,6 +23,7 @@ from flatgrasp_cli.surroundings import (
     box_on,
     directions,
     hanging_m,
+    not_allowed,
     places,
     tilt_deg,
 )
@@ -42,6 +43,8 @@ def answer_for(cloud: ObjectCloud, search: Search) -> Answer:
     if hanging := hanging_m(whole):
         reason = f"it hangs {1e3 * hanging:.0f} mm up in the air: only free space was seen below it"
         return _nothing("support", reason)
+    if refused := not_allowed(cloud, search.settings.approach):
+        return Answer((Stage(refused.stage, 0),), refused, Trace())
     if cloud.support is None or cloud.floor is None:
         return search.whole(whole, slices)
     asked = search.settings.approach.directions

@@ -47,7 +47,11 @@ class Plan:
     @property
     def warnings(self) -> tuple[CloudWarning, ...]:
         """What had to be assumed and can change the answer."""
-        return tuple(dict.fromkeys((*self.cloud.warnings, *self.scene.warnings, *_doubtful(self.best, self.settings))))
+        return tuple(
+            dict.fromkeys(
+                (*self.cloud.warnings, *self.scene.warnings, *_doubtful(self.best, self.scene, self.settings))
+            )
+        )
 
     @property
     def reason(self) -> str | None:
@@ -133,14 +137,20 @@ def _once_more(
     return found if found.grasps else item
 
 
-def _doubtful(best: Grasp | None, settings: PlannerSettings) -> tuple[CloudWarning, ...]:
-    """The warning that what comes first is no good grasp, but the best of all sides."""
+def _doubtful(best: Grasp | None, scene: Scene, settings: PlannerSettings) -> tuple[CloudWarning, ...]:
+    """The warning that what comes first is no good grasp, but the best of the sides that hands were to come from."""
     if best is None or best.success is None or settings.ranking.prefer != "success":
         return ()
     if best.success.probability >= settings.approach.enough:
         return ()
+    if scene.support is None:
+        sides = "from the one side that an object alone is tried from (--approach X,Y,Z states another)"
+    elif settings.approach.directions in ("auto", "any"):
+        sides = f"whatever side it comes from, up to {settings.approach.max_tilt_deg:g}° off straight down (--max-tilt)"
+    else:
+        sides = "from the only side that was asked for (--approach any tries all)"
     text = (
-        "the best grasp holds with a probability of less than approach.enough, whatever side it comes from: "
+        f"the best grasp holds with a probability of less than approach.enough, {sides}: "
         "its success.causes say why, and a view from another side may show a better one"
     )
     return (CloudWarning("doubtful_grasp", text),)

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from functools import lru_cache
 from typing import Annotated
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from flatgrasp_cli.profiles.base import Length, Profile
 
@@ -72,6 +72,13 @@ class UncertaintySettings(HandUncertainty):
     """With what force the fingers press if the gripper's profile has no `max_force_n`, newtons."""
     samples: Annotated[int, Field(ge=1, le=4096)] | None = None
     """The number of times that each grasp which may win is tried in thought."""
+
+    @field_validator("density_kg_m3")
+    @classmethod
+    def _rising(cls, density: tuple[float, float] | None) -> tuple[float, float] | None:
+        if density is not None and density[0] > density[1]:
+            raise ValueError("the least density comes first, then the largest")
+        return density
 
     @property
     def figures(self) -> Uncertainty:

@@ -6,7 +6,15 @@ fingers can stand, whether the object's thickness was seen, how far the hand can
 
 from flatgrasp_cli.surroundings.alone import Alone
 from flatgrasp_cli.surroundings.aslant import Aslant
-from flatgrasp_cli.surroundings.directions import Direction, asked_of, beside, between, directions, tilt_deg
+from flatgrasp_cli.surroundings.directions import (
+    Direction,
+    asked_of,
+    beside,
+    between,
+    directions,
+    not_allowed,
+    tilt_deg,
+)
 from flatgrasp_cli.surroundings.interface import Surroundings
 from flatgrasp_cli.surroundings.on_support import OnSupport
 from flatgrasp_cli.surroundings.places import Place, box_across, box_on, hanging_m, places
@@ -27,6 +35,7 @@ __all__ = [
     "box_on",
     "directions",
     "hanging_m",
+    "not_allowed",
     "places",
     "tilt_deg",
 ]

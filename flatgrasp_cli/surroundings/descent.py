@@ -69,7 +69,7 @@ def descended(
         if met_by_palm - headroom >= tip[nearest]:
             return palm_meets(value, met_by_palm, gripper)
         one = np.array([nearest])
-        others, _ = under_fingers(grasps.select(one), margins[:, one], maps.rest, maps.rest, gripper, clear_m)
+        others, _ = under_fingers(grasps.select(one), margins[:, one], maps.others, maps.others, gripper, clear_m)
         return fingers_meet(value, float(below[choice[nearest], nearest]), float(others[choice[nearest], 0]))
 
     kept = funnel.at_most("depth", grasps, held.need - (held.firm - tip), 0.0, miss)

@@ -10,7 +10,7 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.extents import mean_of
-from flatgrasp_cli.model import ObjectCloud, OrientedBox
+from flatgrasp_cli.model import ObjectCloud, OrientedBox, Rejection
 from flatgrasp_cli.profiles.settings import ApproachSettings
 from flatgrasp_cli.profiles.settings.beyond import LEAST_TILT_DEG
 
@@ -24,12 +24,40 @@ class Direction:
 
 
 def asked_of(cloud: ObjectCloud, settings: ApproachSettings) -> FloatArray | None:
-    """The unit vector (3,) against which the settings want hands to come to an object; None if there are several."""
+    """The unit vector (3,) against which the settings want hands to come to an object; None if there are several.
+
+    What is meant as the largest tilt is that: a direction along the support plane is asked for by rounded numbers.
+    """
     if isinstance(settings.directions, tuple):
-        return -_unit(np.array(settings.directions))
-    if settings.directions == "view" and cloud.viewpoint is not None:
-        return _unit(cloud.viewpoint - mean_of(cloud.points))
-    return None
+        toward = -_unit(np.array(settings.directions))
+    elif settings.directions == "view" and cloud.viewpoint is not None:
+        toward = _unit(cloud.viewpoint - mean_of(cloud.points))
+    else:
+        return None
+    if cloud.support is None:
+        return toward
+    normal = cloud.support.normal
+    beyond_deg = tilt_deg(toward, normal) - settings.max_tilt_deg
+    if not 0 < beyond_deg <= LEAST_TILT_DEG:
+        return toward
+    side = _unit(toward - (toward @ normal) * normal)
+    return _tilted(normal, side, float(np.radians(settings.max_tilt_deg)), 0.0).toward
+
+
+def not_allowed(cloud: ObjectCloud, settings: ApproachSettings) -> Rejection | None:
+    """Why hands do not come to an object the way that is asked for; None if they do, or if there are several ways."""
+    toward = asked_of(cloud, settings)
+    if toward is None:
+        unknown = "where the sensor was is not known, and so no view along which the hand could come"
+        return Rejection("approach", unknown, cause="view") if settings.directions == "view" else None
+    tilt, limit = 0.0 if cloud.support is None else tilt_deg(toward, cloud.support.normal), settings.max_tilt_deg
+    if tilt <= limit + LEAST_TILT_DEG:
+        return None
+    x, y, z = (-toward).tolist()
+    words = f"a hand along {x:.2f}, {y:.2f}, {z:.2f} comes {tilt:.0f}° off straight down"
+    if tilt > 90 + LEAST_TILT_DEG:
+        return Rejection("approach", f"{words}, from below the support plane", tilt, limit, cause="below")
+    return Rejection("approach", f"{words}, allowed {limit:g}°", tilt, limit, cause="tilt")
 
 
 def directions(

@@ -24,13 +24,15 @@ class HeightMaps:
 
     `surface` is the mean height of the slice's own points. `rest` is the highest point of everything else that fingers
     can meet: 0 where the plane is free, −inf where no ray came. `highest` is that of everything, for the parts of
-    fingers that are away from the contact, and `coarse` the same as far as anything was seen, for the palm.
+    fingers that are away from the contact, and `coarse` the same as far as anything was seen, for the palm. `others`
+    is the `rest` without the object's own points: those beside the slice are in the way, too.
     """
 
     surface: HeightMap
     rest: HeightMap
     highest: HeightMap
     coarse: HeightMap
+    others: HeightMap
 
 
 @dataclass(frozen=True, slots=True, eq=False)

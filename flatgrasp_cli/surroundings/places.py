@@ -111,7 +111,7 @@ def _slices(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, setting
         level_m=lowest_m,
         lowest_m=lowest_m,
         ground_m=settings.depth.min_clearance_m,
-        maps=HeightMaps(surface=highest.averaged(local), rest=others, highest=highest, coarse=coarse),
+        maps=HeightMaps(surface=highest.averaged(local), rest=others, highest=highest, coarse=coarse, others=others),
         view=_view(cloud, frame, everything, cell_m),
         settings=settings,
     )

@@ -140,6 +140,7 @@ class Tilted:
                 rest=others,
                 highest=highest,
                 coarse=highest,
+                others=others,
             ),
             view=replace(self._view, asked=frame),
             settings=self.settings,

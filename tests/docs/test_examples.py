@@ -65,10 +65,11 @@ def test_the_ur_script_goes_where_the_joints_of_the_plan_go(
 ) -> None:
     example("ur_script.py")
     lines = capsys.readouterr().out.splitlines()
-    assert [re.split(r"\W", line.strip())[0] for line in lines] == ["def", "set_tcp", "movej", "movel", "movel", "end"]
+    commands = [re.split(r"\W", line.strip())[0] for line in lines]
+    assert commands == ["def", "set_tcp", "movej", "movel", "movel", "movel", "end"]
     joints = document["objects"][0]["grasps"][0]["reach"]["joints_rad"]
     assert f"movej({joints['pre_grasp']})" in lines[2]
-    for line, name in zip(lines[3:5], ("grasp", "lift"), strict=True):
+    for line, name in zip(lines[3:6], ("grasp", "pre_grasp", "lift"), strict=True):
         found = re.search(r"movel\(p(\[.*?\]), a=", line)
         assert found is not None
         numbers = np.array(json.loads(found.group(1)))

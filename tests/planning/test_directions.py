@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,9 +10,11 @@ import pytest
 
 from flatgrasp_cli import Plan, load_gripper, load_robot, load_settings, plan
 from flatgrasp_cli.geometry.frames import axes_from_quaternion
+from flatgrasp_cli.model import Sensor
 from flatgrasp_cli.planning import objects
 from flatgrasp_cli.profiles import Robot
 from flatgrasp_cli.results.document import to_document
+from flatgrasp_cli.results.remedies import remedy_of
 from flatgrasp_cli.surroundings import Direction
 from tests.conftest import TABLE, Box, Camera, Solid, Tube
 from tests.scene.test_heaps import distance
@@ -68,6 +71,41 @@ class TestEnough:
         assert best.success.probability >= enough.success.probability - 0.01  # type: ignore[union-attr]
 
 
+class TestNotAllowed:
+    """From where no hand comes, whatever is asked for: the table is a flat one, the camera looks 45° down."""
+
+    @pytest.mark.parametrize(
+        ("asked", "cause", "remedy"),
+        [
+            ({"directions": "[0, -0.6, 0.8]"}, "below", "--approach=0,0.6,-0.8 is the opposite one"),
+            ({"directions": "[0, 0, 1]"}, "below", "--approach=0,0,-1 is the opposite one"),
+            ({"directions": "[0, 1, -1]", "max_tilt_deg": "30"}, "tilt", "--max-tilt 45 allows it"),
+            ({"directions": "view", "max_tilt_deg": "30"}, "tilt", "allows it, or --approach auto"),
+        ],
+    )
+    def test_it_is_said_and_what_would_do(self, asked: dict[str, Any], cause: str, remedy: str) -> None:
+        found = planned(LYING_CAN, **asked)
+        (item,) = found.objects
+        assert item.rejection is not None
+        assert (item.grasps, item.rejection.stage, item.rejection.cause) == ((), "approach", cause)
+        assert remedy in str(remedy_of(found, item))
+
+    def test_along_a_view_that_nobody_knows(self) -> None:
+        cloud = replace(CAMERA.sees(TABLE, LYING_CAN), viewpoint=None)
+        settings = load_settings("default", ("approach.directions=view",))
+        found = plan(replace(cloud, sensor=Sensor("all_sides")), load_gripper("pr2"), settings)
+        assert "where the sensor was is not known" in str(found.reason)
+        assert "--sensor X,Y,Z" in str(remedy_of(found, found.objects[0]))
+
+    @pytest.mark.parametrize("up", [-0.05, 0.05])
+    def test_along_the_table_is_meant_where_it_is_nearly_so(self, up: float) -> None:
+        """3° from above or from below: no palm is lower than at the grasp, and the document says what was planned."""
+        best = planned(*TOWER, directions=f"[0, 1, {up}]").best
+        assert best is not None
+        assert best.tilt_deg == pytest.approx(min(90.0, 90 + np.degrees(np.arctan(up))), abs=0.1)
+        assert best.approach.direction[1] > 0.99
+
+
 @pytest.mark.parametrize(("friction", "doubtful"), [(0.5, False), (0.03, True)])
 def test_a_best_grasp_that_is_not_enough_comes_with_a_warning(friction: float, doubtful: bool) -> None:
     """On pads as slippery as ice the can is more likely lost than held."""
@@ -76,7 +114,9 @@ def test_a_best_grasp_that_is_not_enough_comes_with_a_warning(friction: float, d
     assert found.best is not None
     assert found.best.success is not None
     assert (found.best.success.probability < settings.approach.enough) == doubtful
-    assert ("doubtful_grasp" in {warning.code for warning in found.warnings}) == doubtful
+    said = {warning.code: warning.text for warning in found.warnings}
+    assert ("doubtful_grasp" in said) == doubtful
+    assert not doubtful or "the only side that was asked for (--approach any" in said["doubtful_grasp"]
 
 
 def test_a_direction_that_the_arm_cannot_serve_falls_out() -> None:

@@ -234,3 +234,5 @@ class TestDerivedLengths:
     def test_a_wrong_one_is_named_where_it_stands(self) -> None:
         with pytest.raises(ProfileError, match=r"uncertainty\.outline_m: 'wide': must be a valid number$"):
             load_settings("default", ("uncertainty.outline_m=wide",))
+        with pytest.raises(ProfileError, match=r"uncertainty\.density_kg_m3: .*the least density comes first"):
+            load_settings("default", ("uncertainty.density_kg_m3=[500,200]",))

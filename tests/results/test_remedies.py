@@ -130,3 +130,21 @@ def test_what_keeps_the_hand_up_is_told_apart(
     assert block.rejection is not None
     assert (block.rejection.stage, block.rejection.cause) == ("depth", cause)
     assert str(remedy_of(result, block)).startswith(said)
+
+
+def test_what_stands_alone_has_no_neighbours(pr2: Gripper) -> None:
+    """A high box from low down: fingers that come down on its own rear are told so."""
+    grazing = Camera(tilt_deg=82, distance=0.7, target=(0.0, 0.0, 0.25))
+    down = load_settings("default", ("approach.directions=top",))
+    result = plan(grazing.sees(TABLE, Box((0.0, 0.0, 0.15), (0.14, 0.04, 0.3))), pr2, down)
+    assert result.best is None
+    assert "stands beside it" not in str(result.reason)
+
+
+def test_a_hidden_way_names_the_share_that_allows_it(pr2: Gripper) -> None:
+    rejection = Rejection("unseen", "13 % of the hand's way is hidden, allowed 10 %", value=0.128, limit=0.1)
+    result = plan(CAMERA.sees(TABLE, Box((0.0, 0.0, 0.03), (0.1, 0.04, 0.06))), pr2)
+    item = replace(result.objects[0], grasps=(), rejection=rejection)
+    assert "--set approach.hidden_share=0.13 allows as much" in str(remedy_of(result, item))
+    strict = replace(result, settings=load_settings("default", ("depth.unseen=refuse",)))
+    assert "--set depth.unseen=rank" in str(remedy_of(strict, item))

@@ -133,7 +133,7 @@ class TestUnseenBeyond:
 def maps(relief_mm: Relief) -> HeightMaps:
     """The maps of a surface that is all there is."""
     chart = surface(relief_mm)
-    return HeightMaps(surface=chart, rest=chart, highest=chart, coarse=chart)
+    return HeightMaps(surface=chart, rest=chart, highest=chart, coarse=chart, others=chart)
 
 
 def extent_mm(relief_mm: Relief, fall_deg: float, bound_m: float = ANYTHING_M) -> float:

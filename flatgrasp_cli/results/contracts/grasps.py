@@ -202,11 +202,11 @@ class ApproachPart(Part):
 class GraspPart(Part):
     """One grasp, by the fingertips' frame and by the flange's.
 
-    The hand goes from `pre_grasp`, open to `opening_m`, straight to `pose`, closes to `width_m`, and goes to `lift`:
-    drive the flange to `flange.pre_grasp`, `flange.pose`, `flange.lift`. The flange stands still while the fingers
-    close, and so it is placed by where their tips are then: `palm_offset_m` and the fingers' length at `width_m` behind
-    `pose`, and as far behind the two others. An arc linkage's tips are `tip_shift_m` short of `pre_grasp` and `pose`
-    until they have closed.
+    The hand goes from `pre_grasp`, open to `opening_m`, straight to `pose`, closes to `width_m`, goes back to
+    `pre_grasp` and from there to `lift`: drive the flange to those poses of `flange`. Only a hand that came straight
+    down may go to `lift` at once. The flange stands still while the fingers close, and so it is placed by where their
+    tips are then: `palm_offset_m` and the fingers' length at `width_m` behind `pose`, and as far behind the two others.
+    An arc linkage's tips are `tip_shift_m` short of `pre_grasp` and `pose` until they have closed.
 
     With a robot, flange and hand are turned as the joint angles have them: by 180° about the approach against `pose`
     where `reach.twin` says so, which is the same grasp with its two fingers exchanged.

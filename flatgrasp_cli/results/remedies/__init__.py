@@ -14,6 +14,7 @@ from flatgrasp_cli.results.remedies import arm, balance, hand, scene
 OF_STAGE: dict[str, Callable[[Plan, ObjectPlan, Rejection], str | None]] = {
     "main_plane": scene.no_points,
     "support": scene.hanging,
+    "approach": scene.other_direction,
     "immobilising": balance.not_immobilised,
     "finger_candidates": hand.narrow_fingers,
     "pairs": hand.narrow_fingers,

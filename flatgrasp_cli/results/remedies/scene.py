@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
+
 from flatgrasp_cli.model import ObjectPlan, Rejection
 from flatgrasp_cli.planning import Plan
+from flatgrasp_cli.results.remedies.words import up
 from flatgrasp_cli.scene import NO_PLANE, NOTHING_STANDS
 
 OTHER_VIEW = "look from another side; if the cloud is merged from several views: --sensor none"
@@ -49,6 +52,21 @@ def other_view(_plan: Plan, _item: ObjectPlan, _rejection: Rejection) -> str:
     return OTHER_VIEW
 
 
-def unseen(_plan: Plan, _item: ObjectPlan, _rejection: Rejection) -> str:
-    """Where hidden ways are refused."""
-    return f"--set depth.unseen=rank lets such grasps hold less probably instead; or {OTHER_VIEW}"
+def unseen(plan: Plan, _item: ObjectPlan, rejection: Rejection) -> str:
+    """Where hidden ways are refused: to hands from straight above by one setting, to others by a second one, too."""
+    if plan.settings.depth.unseen == "refuse":
+        return f"--set depth.unseen=rank lets such grasps hold less probably instead; or {OTHER_VIEW}"
+    if rejection.value is None:
+        return OTHER_VIEW
+    return f"--set approach.hidden_share={up(rejection.value)} allows as much; or {OTHER_VIEW}"
+
+
+def other_direction(plan: Plan, _item: ObjectPlan, rejection: Rejection) -> str:
+    """Where the hand does not come the way that is asked for."""
+    if rejection.cause == "view":
+        return "--sensor X,Y,Z states it, or --approach auto"
+    asked = plan.settings.approach.directions
+    if rejection.cause == "below" and isinstance(asked, tuple):
+        opposite = ",".join(f"{-each + 0.0:g}" for each in asked)  # never a -0
+        return f"vectors point the way that the hand moves: --approach={opposite} is the opposite one"
+    return f"--max-tilt {math.ceil(rejection.value or 0.0)} allows it, or --approach auto"
