@@ -51,8 +51,13 @@ def reach(
     """
     follower = _Follower(robot, motion, table)
     flange, axes = (follower.arm.in_own_base(vectors) for vectors in (positions, axes))
-    batches = [slice(start, start + BATCH) for start in range(0, len(positions), BATCH)]
-    return tuple(answer for batch in batches for answer in follower.follow(flange[batch], axes[batch]))
+    before = flange - motion.approach_m * axes[:, 2]
+    (near,) = (np.linalg.norm(before - follower.arm.shoulder, axis=1) <= follower.arm.span_m).nonzero()
+    answers = [Reach(ok=False, waypoint="pre_grasp", limit=LIMITS[0])] * len(positions)
+    for batch in (near[start : start + BATCH] for start in range(0, len(near), BATCH)):
+        for row, answer in zip(batch.tolist(), follower.follow(flange[batch], axes[batch]), strict=True):
+            answers[row] = answer
+    return tuple(answers)
 
 
 def is_too_far(robot: Robot, places: FloatArray) -> bool:

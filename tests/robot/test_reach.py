@@ -90,6 +90,23 @@ def test_what_no_place_in_reach_is_near_is_too_far() -> None:
         assert is_too_far(base, ends + np.array([span + 0.12, -0.1, 0.0]))
 
 
+@pytest.mark.parametrize("name", ["ur5", "franka_fr3"])
+def test_what_is_told_by_the_distance_alone_is_what_the_kinematics_say(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if load_robot(name).chain is not None:
+        pytest.importorskip("eaik")
+    robot, rng = load_robot(name), np.random.default_rng(0)
+    positions, axes = rng.uniform(-1.0, 1.0, (40, 3)), np.broadcast_to(DOWN, (40, 3, 3))
+    quick = reach(robot, positions, axes, USUAL)
+    too_far = np.linalg.norm(positions + 0.1 * UP - arm_of(robot).shoulder, axis=1) > arm_of(robot).span_m
+    assert 10 < np.count_nonzero(too_far) < 30
+    monkeypatch.setattr(arm_of(robot), "span_m", np.inf)
+    for one, other in zip(quick, reach(robot, positions, axes, USUAL), strict=True):
+        assert (one.ok, one.waypoint, one.limit) == (other.ok, other.waypoint, other.limit)
+        assert one.joints_rad is None or one.joints_rad == pytest.approx(other.joints_rad)
+
+
 def test_the_grasp_alone_is_too_far() -> None:
     """From above, the deep end of the approach is the far one: 5 mm too far at the grasp, in reach 2 cm above."""
     x = farthest_x(-0.4) + 0.005
