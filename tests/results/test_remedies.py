@@ -148,3 +148,20 @@ def test_a_hidden_way_names_the_share_that_allows_it(pr2: Gripper) -> None:
     assert "--set approach.hidden_share=0.13 allows as much" in str(remedy_of(result, item))
     strict = replace(result, settings=load_settings("default", ("depth.unseen=refuse",)))
     assert "--set depth.unseen=rank" in str(remedy_of(strict, item))
+
+
+@pytest.mark.parametrize(
+    ("cause", "tilt_deg", "said"),
+    [
+        ("tilt", 68.94, "--max-tilt 69 allows it"),
+        ("tilt", 92.0, "--max-tilt 90 allows it"),
+        ("below", 140.0, "--sensor"),
+    ],
+)
+def test_a_view_that_is_too_aslant_names_what_can_be_stated(
+    cause: str, tilt_deg: float, said: str, pr2: Gripper
+) -> None:
+    result = plan(CAMERA.sees(TABLE, Box((0.0, 0.0, 0.03), (0.1, 0.04, 0.06))), pr2)
+    asked = replace(result, settings=load_settings("default", ("approach.directions=view",)))
+    rejection = Rejection("approach", "the hand comes aslant", value=tilt_deg, limit=30.0, cause=cause)
+    assert said in str(remedy_of(asked, replace(result.objects[0], grasps=(), rejection=rejection)))

@@ -69,4 +69,6 @@ def other_direction(plan: Plan, _item: ObjectPlan, rejection: Rejection) -> str:
     if rejection.cause == "below" and isinstance(asked, tuple):
         opposite = ",".join(f"{-each + 0.0:g}" for each in asked)  # never a -0
         return f"vectors point the way that the hand moves: --approach={opposite} is the opposite one"
-    return f"--max-tilt {math.ceil(rejection.value or 0.0)} allows it, or --approach auto"
+    if rejection.cause == "below" or rejection.value is None:
+        return "--approach auto; if the sensor was above: --sensor X,Y,Z states where"
+    return f"--max-tilt {min(math.ceil(rejection.value), 90)} allows it, or --approach auto"
