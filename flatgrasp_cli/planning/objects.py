@@ -37,14 +37,14 @@ def answer_for(cloud: ObjectCloud, search: Search) -> Answer:
     """
     box = _box(cloud, search.settings)
     if box is None:
-        return _nothing("main_plane", _no_plane(cloud.points, search.settings.scene.crop is not None))
+        return _nothing(Rejection("main_plane", _no_plane(cloud.points, search.settings.scene.crop is not None)))
     slices = places(cloud, box, search.settings)
     whole = next(slices)
     if hanging := hanging_m(whole):
         reason = f"it hangs {1e3 * hanging:.0f} mm up in the air: only free space was seen below it"
-        return _nothing("support", reason)
+        return _nothing(Rejection("support", reason))
     if refused := not_allowed(cloud, search.settings.approach):
-        return Answer((Stage(refused.stage, 0),), refused, Trace())
+        return _nothing(refused)
     if cloud.support is None or cloud.floor is None:
         return search.whole(whole, slices)
     asked = search.settings.approach.directions
@@ -71,7 +71,9 @@ def _from_any_side(search: Search, tilted: Tilted, box: OrientedBox, found: list
     if best is not None and best.direction is not None and not search.is_enough(best):
         best = _best_of(search, tilted, beside(best.direction, cloud, settings.approach), best, most_m3)
     if best is None:
-        return _nothing("palm_room", "from no direction that was asked for has the palm room over the object")
+        return _nothing(
+            Rejection("palm_room", "from no direction that was asked for has the palm room over the object")
+        )
     if not found or best is found[0]:
         return best
     if not best.is_served and found[0].grasps is not None:
@@ -120,9 +122,9 @@ def _box(cloud: ObjectCloud, settings: PlannerSettings) -> OrientedBox | None:
     return oriented_box(cloud.points, cloud.toward, method)
 
 
-def _nothing(stage: str, reason: str) -> Answer:
+def _nothing(rejection: Rejection) -> Answer:
     """The answer for what cannot be planned at all."""
-    return Answer((Stage(stage, 0),), Rejection(stage, reason), Trace())
+    return Answer((Stage(rejection.stage, 0),), rejection, Trace())
 
 
 def _no_plane(points: FloatArray, cropped: bool) -> str:

@@ -58,7 +58,7 @@ class Alone:
         The fingertips end in the main plane, as the paper has it, or as much lower as the pads need to get hold of what
         lies lower there.
         """
-        above, long_m = float(silhouette.heights.max()), gripper.finger_length_m
+        long_m = gripper.finger_length_m
         tip = np.zeros(len(grasps)) if self.settings.hand.model == "paper" else self._tips(silhouette, fingers, grasps)
         grasps = grasps.having(opening=openings(grasps, gripper, self.settings.hand), tip=tip)
         kept = funnel.at_most(
@@ -66,7 +66,9 @@ class Alone:
             grasps,
             palm_intrusion(silhouette, grasps, gripper),
             0.0,
-            lambda _: f"the object stands {above:.3f} m above the fingertips, fingers are {long_m:.3f} m long",
+            lambda more: (
+                f"the object stands {long_m + more:.3f} m above the fingertips, fingers are {long_m:.3f} m long"
+            ),
         )
         grasps = grasps.select(kept)
         unknown = np.full(len(grasps), np.nan)

@@ -109,8 +109,7 @@ def figures_of(result: Plan) -> Iterator[tuple[str, Figure]]:
     arm = arm_figure(result)
     if arm is not None:
         yield "arm", arm
-    if result.robot is None:  # of which those of the stages show nothing
-        yield from ((name, draw()) for name, draw in stage_figures(result))
+    yield from ((name, draw()) for name, draw in stage_figures(result))
     for item in result.objects[:1]:
         pair = compare(item, result.gripper, result.settings)
         if pair.theirs is not None:
