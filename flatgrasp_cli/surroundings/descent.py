@@ -56,7 +56,7 @@ def descended(
     lowest = np.maximum(lowest, around.level_m - depth.slice_step_m)  # what lies deeper is for a lower slice
     headroom, openings = gripper.finger_length_m - depth.palm_clearance_m, grasps.width + 2 * margins
     palm = under_palm(grasps.hands, openings, maps.coarse, float(lowest.min()) + headroom, gripper)
-    tips = _tips(below, np.concatenate([palm, palm[:-1]]) - headroom, lowest, held, around)
+    tips = _tips(below, np.concatenate([palm, palm[:-1]]) - headroom, lowest, around)
     widest, choice = _widest(tips[:MARGINS]), _roomiest(tips)
     columns, pairs = np.arange(len(grasps)), np.stack([grasps.i, grasps.j])
     tip = tips[choice, columns]
@@ -101,18 +101,15 @@ def _held(fingers: FingerCandidates, grasps: GraspCandidates, around: Relief, gr
     return _Upright(wall=wall, firm=firm, need=need, seen=seen, found=found)
 
 
-def _tips(below: FloatArray, palm_tip: FloatArray, lowest: FloatArray, held: _Upright, around: Relief) -> FloatArray:
+def _tips(below: FloatArray, palm_tip: FloatArray, lowest: FloatArray, around: Relief) -> FloatArray:
     """Heights (MARGINS, p) at which the fingertips end, from what is `below` the fingers at each of the openings.
 
-    `palm_tip` (MARGINS, p) is where they end if the palm meets something, `lowest` (p,) how low they may go beside a
-    part that is too low for the usual depth.
+    `palm_tip` (MARGINS, p) is where they end if the palm meets something, `lowest` (p,) how low they may go.
     """
     depth = around.settings.depth
     clearance = np.where(below > around.lowest_m, depth.obstacle_clearance_m, depth.min_clearance_m)
     met = np.where(below > around.ground_m, below + clearance, -np.inf)  # anything lower is the plane's own ripple
-    met = np.maximum(met, palm_tip)
-    tips = np.maximum(met, max(around.lowest_m, around.level_m - depth.slice_step_m))
-    return np.where(held.firm - tips.min(axis=0) < held.need, np.maximum(met, lowest), tips)
+    return np.maximum(np.maximum(met, palm_tip), lowest)
 
 
 def _widest(tips: FloatArray) -> IntArray:

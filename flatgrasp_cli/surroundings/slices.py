@@ -44,9 +44,12 @@ def top_of(heights: FloatArray) -> float:
 
 
 def lowest_tip(tops: FloatArray | float, settings: DepthSettings) -> FloatArray:
-    """How low fingertips may go beside what is `tops` (…) high: the clearance, or less beside what is hardly higher."""
-    share = np.maximum(settings.min_clearance_m, np.multiply(tops, settings.low_object_share))
-    return np.asarray(np.minimum(settings.table_clearance_m, share))
+    """How low fingertips may go beside what is `tops` (…) high: the clearance, or less beside what is hardly higher.
+
+    A hand that comes the clearance too high still holds a pen below its middle, where that is widest.
+    """
+    below_middle = 0.5 * np.asarray(tops) - settings.table_clearance_m
+    return np.clip(below_middle, settings.min_clearance_m, settings.table_clearance_m)
 
 
 def slices(local: FloatArray, cell_m: float, settings: DepthSettings) -> Iterator[Slice]:

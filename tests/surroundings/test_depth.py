@@ -15,11 +15,11 @@ from tests.conftest import MM, SAMPLES, TABLE, Box, Camera, Tube, holds
 from tests.surroundings.on_a_table import ABOVE, BLOCK, DEPTH, KINECT, best, ground, planned, relief, seen
 
 
-def test_the_lowest_tip_leaves_the_clearance_or_a_share_of_a_low_object() -> None:
-    clearance, least, share = DEPTH.table_clearance_m, DEPTH.min_clearance_m, DEPTH.low_object_share
+def test_the_lowest_tip_leaves_the_clearance_to_the_table_and_to_the_middle_of_a_low_object() -> None:
+    clearance, least = DEPTH.table_clearance_m, DEPTH.min_clearance_m
     assert lowest_tip(0.1, DEPTH) == clearance
-    pen = 0.5 * (least + clearance) / share
-    assert lowest_tip(pen, DEPTH) == pytest.approx(share * pen)
+    between = 0.5 * (least + clearance)
+    assert lowest_tip(2 * (clearance + between), DEPTH) == pytest.approx(between)
     assert lowest_tip(0.001, DEPTH) == least
 
 
@@ -32,10 +32,10 @@ class TestDepth:
         assert grasp.width_m == pytest.approx(0.04, abs=3 * MM)
         assert grasp.position[:2] == pytest.approx([0, 0], abs=4 * MM)
 
-    def test_fingertips_stop_at_a_third_of_a_pen(self, pr2: Gripper) -> None:
-        height = 9 * MM
+    def test_fingertips_end_4_mm_below_the_middle_of_a_pen(self, pr2: Gripper) -> None:
+        height = 13 * MM
         grasp = seen(pr2, Tube((0.0, 0.0, height / 2), height / 2, 0.14, (1.0, 0.5, 0.0)))
-        assert grasp.tip_height_m == pytest.approx(DEPTH.low_object_share * height, abs=0.8 * MM)
+        assert grasp.tip_height_m == pytest.approx(height / 2 - DEPTH.table_clearance_m, abs=0.5 * MM)
         assert DEPTH.min_clearance_m < grasp.position[2] < DEPTH.table_clearance_m
 
     @pytest.mark.parametrize("name", ["pr2", "lacquey"])
@@ -96,7 +96,7 @@ class TestDepth:
         middle = [grasp for grasp in grasps if abs(grasp.position[0]) < 0.01]
         assert len(middle) > 0
         for grasp in middle:
-            assert grasp.tip_height_m == pytest.approx(DEPTH.low_object_share * low, abs=0.4 * MM)
+            assert grasp.tip_height_m == pytest.approx(DEPTH.min_clearance_m)
             assert grasp.width_m == pytest.approx(0.008, abs=2 * MM)
 
     def test_the_centre_of_gravity_is_the_objects_and_not_the_slices(self, pr2: Gripper) -> None:

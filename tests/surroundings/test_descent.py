@@ -38,11 +38,20 @@ def beside(gap_mm: float, height_mm: float) -> Relief:
 
 
 class TestTips:
-    @pytest.mark.parametrize(("height_mm", "tip_mm"), [(40, 4), (9, 3.15), (3.2, 1.5)])
-    def test_they_end_4_mm_over_the_table_or_at_a_third_of_a_low_object(self, height_mm: float, tip_mm: float) -> None:
+    @pytest.mark.parametrize(("height_mm", "tip_mm"), [(40, 4), (16, 4), (13, 2.5), (11, 1.5), (3.2, 1.5)])
+    def test_they_end_4_mm_over_the_table_or_below_the_middle_of_a_low_object(
+        self, height_mm: float, tip_mm: float
+    ) -> None:
         grasp = best(bar_of((100, 40, height_mm)))
         assert grasp.tip_height_m == pytest.approx(tip_mm * MM)
         assert grasp.grip_m == pytest.approx((height_mm - tip_mm) * MM)
+
+    def test_the_middle_is_that_of_what_is_between_the_pads(self) -> None:
+        """Scissors: high at the handles, which are too wide, and 12 mm high in front, of which half would be enough."""
+        wide, low = bar(0.12, 0.12, 0.03), bar(0.10, 0.02, 0.012)
+        item = plan_object(on_table(lambda x, y: np.maximum(wide(x + 0.06, y), low(x - 0.05, y))), PR2, SETTINGS)
+        assert best(item).position[0] > 0
+        assert best(item).tip_height_m == pytest.approx(2 * MM)
 
     @pytest.mark.parametrize(("step_mm", "tip_mm"), [(1.4, 4), (3, 4.5), (15, 18)])
     def test_they_keep_3_mm_from_what_lies_below_them_or_half_of_that(self, step_mm: float, tip_mm: float) -> None:

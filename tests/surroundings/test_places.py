@@ -13,7 +13,7 @@ from flatgrasp_cli.model import ObjectCloud
 from flatgrasp_cli.scene import segment
 from flatgrasp_cli.sensor import located
 from flatgrasp_cli.surroundings import OnSupport, Place, box_on, hanging_m, places
-from flatgrasp_cli.surroundings.slices import lowest_tip, slices, top_of
+from flatgrasp_cli.surroundings.slices import slices, top_of
 from flatgrasp_cli.surroundings.walls import walls
 from tests.by_hand import MM, bar, candidates, on_table
 from tests.conftest import TABLE, Box, Camera
@@ -124,10 +124,6 @@ class TestSlices:
     def test_a_few_high_points_are_no_top(self, spikes: int, top_mm: float) -> None:
         heights = np.concatenate([np.full(1000 - spikes, 50 * MM), np.full(spikes, 90 * MM)])
         assert top_of(heights) == pytest.approx(top_mm * MM)
-
-    @pytest.mark.parametrize(("top_mm", "tip_mm"), [(100, 4), (9, 3.15), (1, 1.5)])
-    def test_the_lowest_tip_leaves_4_mm_or_a_third_of_a_low_object(self, top_mm: float, tip_mm: float) -> None:
-        assert lowest_tip(top_mm * MM, DEPTH) == pytest.approx(tip_mm * MM)
 
 
 def test_the_whole_comes_first_with_all_points_from_the_lowest_tip_on() -> None:

@@ -13,11 +13,9 @@ class DepthSettings(Profile):
     """Over a support plane: how deep the fingertips go, and what they and the palm keep clear of."""
 
     table_clearance_m: Length
-    """Free space between fingertips and support plane, metres."""
+    """Free space between fingertips and support plane, metres, and between them and the middle of a low object."""
     min_clearance_m: Length
-    """The same for an object hardly higher than that, metres."""
-    low_object_share: Share
-    """Fingertips go down to this share of a low object's height."""
+    """The least free space over the support plane, metres, for an object that is too low for both."""
     palm_clearance_m: Derived
     """Free space between the palm and whatever is highest below it, metres; null: as over the table."""
     obstacle_clearance_m: Length
