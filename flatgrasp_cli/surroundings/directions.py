@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -71,7 +71,7 @@ def directions(
     """
     asked = asked_of(cloud, settings)
     if settings.directions in ("auto", "any"):
-        yield from _all_around(cloud, across, own, settings)
+        yield from _met_in_sight(cloud, _all_around(cloud, across, own, settings))
     elif asked is not None:
         yield Direction(asked, "view" if settings.directions == "view" else "given")
 
@@ -97,7 +97,7 @@ def between(cloud: ObjectCloud, across: FloatArray, settings: ApproachSettings) 
     Of a search that was told its directions there are none.
     """
     if cloud.support is not None and settings.directions in ("auto", "any"):
-        yield from _tilts(cloud.support.normal, across, settings, 0.5)
+        yield from _met_in_sight(cloud, _tilts(cloud.support.normal, across, settings, 0.5))
 
 
 def _tilts(normal: FloatArray, across: FloatArray, settings: ApproachSettings, first: float) -> Iterator[Direction]:
@@ -112,7 +112,12 @@ def beside(direction: Direction, cloud: ObjectCloud, settings: ApproachSettings)
 
     Of a search that was told its directions there are none.
     """
-    if cloud.support is None or settings.directions not in ("auto", "any"):
+    if settings.directions in ("auto", "any"):
+        yield from _met_in_sight(cloud, _halfway_around(direction, cloud, settings))
+
+
+def _halfway_around(direction: Direction, cloud: ObjectCloud, settings: ApproachSettings) -> Iterator[Direction]:
+    if cloud.support is None:
         return
     normal = cloud.support.normal
     tilt = np.radians(tilt_deg(direction.toward, normal))
@@ -121,6 +126,19 @@ def beside(direction: Direction, cloud: ObjectCloud, settings: ApproachSettings)
         for share in (1.0, np.sqrt(0.5), np.sqrt(2.0)):  # tilts double from one to the next
             if (turn != 0 or share != 1) and share * tilt <= np.radians(settings.max_tilt_deg):
                 yield _tilted(normal, side, float(share * tilt), float(turn))
+
+
+def _met_in_sight(cloud: ObjectCloud, ways: Iterable[Direction]) -> Iterator[Direction]:
+    """The `ways` that do not come from behind: a hand that comes towards the sensor meets a side that it did not see.
+
+    What is meant as across its view is that.
+    """
+    if cloud.viewpoint is None:
+        yield from ways
+        return
+    view = _unit(cloud.viewpoint - mean_of(cloud.points))
+    least = -np.sin(np.radians(LEAST_TILT_DEG))
+    yield from (each for each in ways if each.toward @ view >= least)
 
 
 def _tilted(normal: FloatArray, side: FloatArray, tilt: float, turn: float) -> Direction:

@@ -103,6 +103,24 @@ class TestDirections:
         level = [each[:, :2] / np.linalg.norm(each[:, :2], axis=1, keepdims=True) for each in (tried, found)]
         assert (level[0] * level[1]).sum(axis=1) == pytest.approx(np.cos(np.radians(22.5)))
 
+    def test_no_hand_comes_from_behind(self) -> None:
+        """Of 16 tilts the sensor, 37 degrees aslant, sees three from behind: 60 degrees, and 90, away from it.
+
+        Those that come across its view remain, and what is asked for by hand.
+        """
+        seen = replace(self.ITEM, viewpoint=np.array([0.0, -0.6, 0.8]))
+        asked = SETTINGS.approach.model_copy(update={"tilts_deg": (60.0, 90.0)})
+        away = np.array([0.0, 1.0, 0.0])
+        found = [each.toward for each in directions(seen, away, None, asked) if each.known_from == "tilt"]
+        turns = [round(float(np.degrees(np.arctan2(abs(x), y)))) for x, y, _ in found]
+        assert turns == [45, 90, 135, 180, 135, 90, 45, 90, 135, 180, 135, 90]
+        middle = [each.toward[1] for each in between(seen, away, asked)]
+        assert max(middle[:8]) > 0 > max(middle[8:])
+        nearly = Direction(found[0], "tilt")
+        assert 0 < len(list(beside(nearly, seen, asked))) < len(list(beside(nearly, self.ITEM, asked)))
+        given = asked.model_copy(update={"directions": (0.0, -1.0, 0.0)})
+        assert len(list(directions(seen, away, None, given))) == 1
+
     def test_of_what_was_asked_for_there_are_none_beside(self) -> None:
         given = SETTINGS.approach.model_copy(update={"directions": (0.0, 0.6, -0.8)})
         assert list(beside(Direction(np.array([0.0, -0.6, 0.8]), "given"), self.ITEM, given)) == []
