@@ -103,11 +103,32 @@ def walls(fingers: FingerCandidates, surface: HeightMap, envelope: Envelope, lev
     (top, boundary, foot), crests, means = kernels.faces(chords, INWARD_M, ALONG_PAD, *maps, level_m, WALL_PLACES)
     _, slope = fitted_lines(INWARD_M, means.T)
     flank = (slope > LEAST_SLOPE) & (slope < 1 / friction)
+    free = envelope.free_below(top, chords, BELOW_M, ALONG_PAD)
+    free, foot = as_where_known(fingers.loop, free, foot, level_m)
     return Walls(
         top=top,
         boundary=boundary,
         flank=np.where(flank, slope * INWARD_M[WALL_PLACES - 1], 0.0),
         crests=crests,
         foot=foot,
-        free=envelope.free_below(top, chords, BELOW_M, ALONG_PAD),
+        free=free,
     )
+
+
+def as_where_known(
+    loops: IntArray, free: FloatArray, foot: FloatArray, level_m: float
+) -> tuple[FloatArray, FloatArray]:
+    """Up to where it is `free` (m,) below walls, and how far down these were seen, `foot` (m,); elsewhere as there.
+
+    It is known where rays passed below a wall, or it was seen down to `level_m`. Where not, it is the median of what is
+    known on the same one of the `loops` (m,), and no higher than what was seen: a plate's far rim overhangs, too.
+    """
+    known = (free > 0) | (foot <= level_m + NOISE_M)
+    free, foot = free.copy(), foot.copy()
+    for loop in np.unique(loops[~known]):
+        here = loops == loop
+        seen, unseen = here & known, here & ~known
+        if seen.any():
+            free[unseen] = np.median(free[seen])
+            foot[unseen] = np.minimum(foot[unseen], np.median(foot[seen]))
+    return free, foot

@@ -9,7 +9,7 @@ from flatgrasp_cli import load_settings
 from flatgrasp_cli.geometry.height_map import HeightMap
 from flatgrasp_cli.surroundings.envelope import Envelope
 from flatgrasp_cli.surroundings.view import View
-from flatgrasp_cli.surroundings.walls import Walls, upright, walls
+from flatgrasp_cli.surroundings.walls import Walls, as_where_known, upright, walls
 from tests.by_hand import MM, WORLD, Relief, candidates
 
 LEVEL_M = 25 * MM
@@ -103,6 +103,15 @@ class TestTheWallsFoot:
         )
         feet = rim.feet(np.zeros((2, 1), dtype=np.intp), np.full(1, tip_mm * MM))
         assert feet == pytest.approx(np.broadcast_to(np.array(feet_mm) * MM, (1, 2, 2)))
+
+    def test_where_it_is_not_known_it_is_as_elsewhere_on_the_loop(self) -> None:
+        """Rays passed below two of five sides of a rim; of a hole one side was seen down to the level."""
+        loops = np.array([0, 0, 0, 0, 0, 1, 1, 2])
+        free = np.array([20, 0, 0, 24, 0, 0, 0, 0]) * MM
+        foot = np.array([40, 42, 30, 44, LEVEL_M / MM + 1, 40, LEVEL_M / MM, 40]) * MM
+        others = as_where_known(loops, free, foot, LEVEL_M)
+        assert others[0] / MM == pytest.approx([20, 20, 20, 24, 0, 0, 0, 0])
+        assert others[1] / MM == pytest.approx([40, 40, 30, 44, 26, 25, 25, 40])
 
 
 class TestUpright:
