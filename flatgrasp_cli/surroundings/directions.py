@@ -31,7 +31,7 @@ def asked_of(cloud: ObjectCloud, settings: ApproachSettings) -> FloatArray | Non
     if isinstance(settings.directions, tuple):
         toward = -_unit(np.array(settings.directions))
     elif settings.directions == "view" and cloud.viewpoint is not None:
-        toward = _unit(cloud.viewpoint - mean_of(cloud.points))
+        toward = _to_sensor(cloud.viewpoint, cloud.points)
     else:
         return None
     if cloud.support is None:
@@ -85,7 +85,7 @@ def _all_around(
     normal = cloud.support.normal
     first = [] if own is None else [Direction(own.frame.axes[2], "main_plane")]
     if cloud.viewpoint is not None:
-        first.append(Direction(_unit(cloud.viewpoint - mean_of(cloud.points)), "view"))
+        first.append(Direction(_to_sensor(cloud.viewpoint, cloud.points), "view"))
     least_deg = min(settings.tilts_deg, default=LEAST_TILT_DEG)  # what is turned by less is as good as straight down
     yield from (each for each in first if least_deg < tilt_deg(each.toward, normal) <= settings.max_tilt_deg)
     yield from _tilts(normal, across, settings, 0.0)
@@ -112,20 +112,18 @@ def beside(direction: Direction, cloud: ObjectCloud, settings: ApproachSettings)
 
     Of a search that was told its directions there are none.
     """
-    if settings.directions in ("auto", "any"):
-        yield from _met_in_sight(cloud, _halfway_around(direction, cloud, settings))
-
-
-def _halfway_around(direction: Direction, cloud: ObjectCloud, settings: ApproachSettings) -> Iterator[Direction]:
-    if cloud.support is None:
+    if cloud.support is None or settings.directions not in ("auto", "any"):
         return
     normal = cloud.support.normal
     tilt = np.radians(tilt_deg(direction.toward, normal))
     side = _unit(direction.toward - (direction.toward @ normal) * normal)
-    for turn in np.pi / settings.around * np.array([0.0, 1.0, -1.0]):
-        for share in (1.0, np.sqrt(0.5), np.sqrt(2.0)):  # tilts double from one to the next
-            if (turn != 0 or share != 1) and share * tilt <= np.radians(settings.max_tilt_deg):
-                yield _tilted(normal, side, float(share * tilt), float(turn))
+    ways = (
+        _tilted(normal, side, float(share * tilt), float(turn))
+        for turn in np.pi / settings.around * np.array([0.0, 1.0, -1.0])
+        for share in (1.0, np.sqrt(0.5), np.sqrt(2.0))  # tilts double from one to the next
+        if (turn != 0 or share != 1) and share * tilt <= np.radians(settings.max_tilt_deg)
+    )
+    yield from _met_in_sight(cloud, ways)
 
 
 def _met_in_sight(cloud: ObjectCloud, ways: Iterable[Direction]) -> Iterator[Direction]:
@@ -136,8 +134,7 @@ def _met_in_sight(cloud: ObjectCloud, ways: Iterable[Direction]) -> Iterator[Dir
     if cloud.viewpoint is None:
         yield from ways
         return
-    view = _unit(cloud.viewpoint - mean_of(cloud.points))
-    least = -np.sin(np.radians(LEAST_TILT_DEG))
+    view, least = _to_sensor(cloud.viewpoint, cloud.points), -np.sin(np.radians(LEAST_TILT_DEG))
     yield from (each for each in ways if each.toward @ view >= least)
 
 
@@ -150,6 +147,11 @@ def _tilted(normal: FloatArray, side: FloatArray, tilt: float, turn: float) -> D
 def tilt_deg(toward: FloatArray, normal: FloatArray) -> float:
     """How far from straight down on a plane with a unit `normal` (3,) hands against `toward` (3,) come, degrees."""
     return float(np.degrees(np.arccos(np.clip(toward @ normal, -1.0, 1.0))))
+
+
+def _to_sensor(viewpoint: FloatArray, points: FloatArray) -> FloatArray:
+    """The unit vector (3,) from the middle of `points` (n, 3) to where the sensor was."""
+    return _unit(viewpoint - mean_of(points))
 
 
 def _unit(vector: FloatArray) -> FloatArray:

@@ -36,7 +36,8 @@ class Walls(NamedTuple):
 
     `top` is the median over the places along the pad, `boundary` the mean of what was seen at the boundary, and `flank`
     how much of the wall's height is only a flank. `crests` (distances, m) are the highest points at `INWARD_M`, medians
-    along the pad. `foot` is how far down the wall was seen, and `free` up to where rays passed below it.
+    along the pad. `foot` is how far down the wall was seen, and `free` up to where rays passed below it; where neither
+    is known, `as_where_known`.
     """
 
     top: FloatArray
@@ -118,10 +119,11 @@ def walls(fingers: FingerCandidates, surface: HeightMap, envelope: Envelope, lev
 def as_where_known(
     loops: IntArray, free: FloatArray, foot: FloatArray, level_m: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Up to where it is `free` (m,) below walls, and how far down these were seen, `foot` (m,); elsewhere as there.
+    """Up to where it is `free` (m,) below walls, and their `foot` (m,); where nobody saw either, as where it is known.
 
-    It is known where rays passed below a wall, or it was seen down to `level_m`. Where not, it is the median of what is
-    known on the same one of the `loops` (m,), and no higher than what was seen: a plate's far rim overhangs, too.
+    It is known where rays passed below a wall, or it was seen down to `level_m`. Where not, both are the medians of
+    what is known on the same one of the `loops` (m,): a plate's far rim overhangs, too. A foot is no higher than what
+    was seen of its own wall.
     """
     known = (free > 0) | (foot <= level_m + NOISE_M)
     free, foot = free.copy(), foot.copy()
