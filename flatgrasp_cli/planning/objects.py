@@ -48,37 +48,38 @@ def answer_for(cloud: ObjectCloud, search: Search) -> Answer:
     if cloud.support is None or cloud.floor is None:
         return search.whole(whole, slices)
     asked = search.settings.approach.directions
-    first = [search.whole(whole, slices)] if asked in ("auto", "top", "any") else []
-    if first and (asked == "top" or (asked == "auto" and search.is_enough(first[0]))):
-        return first[0]
-    return _from_any_side(search, Tilted(cloud, cloud.floor, search.settings), box, first)
+    first = search.whole(whole, slices) if asked in ("auto", "top", "any") else None
+    if first and (asked == "top" or (asked == "auto" and search.is_enough(first))):
+        return first
+    return _from_any_side(search, Tilted(cloud, cloud.floor, search.settings), box, first, search.volume_m3(whole))
 
 
-def _from_any_side(search: Search, tilted: Tilted, box: OrientedBox, found: list[Answer]) -> Answer:
+def _from_any_side(
+    search: Search, tilted: Tilted, box: OrientedBox, found: Answer | None, most_m3: float
+) -> Answer:
     """The best answer for hands that come from any side, the one for straight down among them if that was `found`.
 
     Directions are tried one after the other until one is enough. If none is, those beside the best one are tried, too;
     if none leaves a grasp, it is the nearest miss that says why.
     """
     cloud, settings = tilted.cloud, search.settings
-    most_m3 = found[0].shape.volume_m3 if found and found[0].shape else np.inf
     if search.between:
         ways = between(cloud, box.frame.axes[0], settings.approach)
     else:
         own = oriented_box(cloud.points, cloud.toward, settings.main_plane.method)
         ways = directions(cloud, box.frame.axes[0], own, settings.approach)
-    best = _best_of(search, tilted, ways, found[0] if found else None, most_m3)
+    best = _best_of(search, tilted, ways, found, most_m3)
     if best is not None and best.direction is not None and not search.is_enough(best):
         best = _best_of(search, tilted, beside(best.direction, cloud, settings.approach), best, most_m3)
     if best is None:
         return _nothing(
             Rejection("palm_room", "from no direction that was asked for has the palm room over the object")
         )
-    if not found or best is found[0]:
+    if found is None or best is found:
         return best
-    if not best.is_served and found[0].grasps is not None:
-        return found[0]  # the arm gets to none of them: people look for those from straight above
-    return replace(best, why_not_top=search.shortcoming(found[0])) if best.grasps else _nearest(found[0], best, cloud)
+    if not best.is_served and found.grasps is not None:
+        return found  # the arm gets to none of them: people look for those from straight above
+    return replace(best, why_not_top=search.shortcoming(found)) if best.grasps else _nearest(found, best, cloud)
 
 
 def _best_of(

@@ -56,6 +56,10 @@ class Search:
             best = self.better(best, self._in(part, shape))
         return best if best.grasps is None or self.reach is None else replace(best, reaches=self.reach(best))
 
+    def volume_m3(self, whole: Place) -> float:
+        """The object's volume, cubic metres, by what lies under its visible surface in one direction."""
+        return volume_m3(_silhouette(whole, self.settings))
+
     def is_enough(self, best: Answer) -> bool:
         """Whether it is not worth looking for anything better than the `best` answer from other directions."""
         if best.grasps is None or not best.is_served:

@@ -33,6 +33,7 @@ from flatgrasp_cli.surroundings.places import (
     box_across,
 )
 from flatgrasp_cli.surroundings.slices import lowest_tip, slices, top_of
+from flatgrasp_cli.surroundings.unseen import behind_ridges, below_rim
 from flatgrasp_cli.surroundings.view import View
 
 SPARSER = 2
@@ -81,17 +82,9 @@ class Tilted:
     def _body(self) -> FloatArray:
         """Points (k, 3) of the object below its rim that were hidden, down to the plane."""
         local, cell_m = self._on_floor, self._cell_m
-        raster = Raster.around(local, cell_m)
-        cell = raster.cells(local[:, 0], local[:, 1])
-        seen = (raster.count(cell) > 0).view(np.uint8)
-        rim = (seen > 0) & (cv2.erode(seen, np.ones((3, 3), np.uint8)) == 0)
-        order = np.argsort(-local[:, 2], kind="stable")
-        _, first = np.unique(cell[order], return_index=True)
-        tops = local[order[first]]  # the highest point of each cell
-        tops = tops[rim.take(cell[order[first]])]
-        levels = np.arange(0.0, float(tops[:, 2].max()), cell_m)
-        place, level = true_entries(levels < tops[:, 2:])
-        body = np.column_stack([tops[place, :2], levels[level]])
+        body = below_rim(local, cell_m)
+        if self._view.viewpoint is not None:
+            body = np.concatenate([body, behind_ridges(local, self._view.viewpoint, cell_m, surely_behind_m(self.settings))])
         hidden = self._view.hides(np.ascontiguousarray(body.T), surely_behind_m(self.settings))
         return self.floor.frame.to_world(body[hidden])
 
