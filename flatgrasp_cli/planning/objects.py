@@ -54,9 +54,7 @@ def answer_for(cloud: ObjectCloud, search: Search) -> Answer:
     return _from_any_side(search, Tilted(cloud, cloud.floor, search.settings), box, first, search.volume_m3(whole))
 
 
-def _from_any_side(
-    search: Search, tilted: Tilted, box: OrientedBox, found: Answer | None, most_m3: float
-) -> Answer:
+def _from_any_side(search: Search, tilted: Tilted, box: OrientedBox, found: Answer | None, most_m3: float) -> Answer:
     """The best answer for hands that come from any side, the one for straight down among them if that was `found`.
 
     Directions are tried one after the other until one is enough. If none is, those beside the best one are tried, too;

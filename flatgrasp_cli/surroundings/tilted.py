@@ -1,7 +1,7 @@
 """Where hands that come aslant to an object are planned for: one place for each direction.
 
 What the sensor saw of the object's top and of its front is all that there is of it. Seen from aslant, that is a shell:
-so what was hidden straight below its rim is taken to belong to it, as a hand from straight above takes for granted.
+so what was hidden of it (`unseen`) is taken to belong to it, too.
 """
 
 from __future__ import annotations
@@ -13,11 +13,10 @@ from functools import cached_property
 import cv2
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import FloatArray, true_entries
+from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 from flatgrasp_cli.geometry.range_image import RangeImage
-from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.geometry.spacing import spacing
 from flatgrasp_cli.model import Floor, ObjectCloud
 from flatgrasp_cli.profiles.gripper import Gripper
@@ -33,7 +32,7 @@ from flatgrasp_cli.surroundings.places import (
     box_across,
 )
 from flatgrasp_cli.surroundings.slices import lowest_tip, slices, top_of
-from flatgrasp_cli.surroundings.unseen import behind_ridges, below_rim
+from flatgrasp_cli.surroundings.unseen import hidden_of
 from flatgrasp_cli.surroundings.view import View
 
 SPARSER = 2
@@ -80,13 +79,9 @@ class Tilted:
 
     @cached_property
     def _body(self) -> FloatArray:
-        """Points (k, 3) of the object below its rim that were hidden, down to the plane."""
-        local, cell_m = self._on_floor, self._cell_m
-        body = below_rim(local, cell_m)
-        if self._view.viewpoint is not None:
-            body = np.concatenate([body, behind_ridges(local, self._view.viewpoint, cell_m, surely_behind_m(self.settings))])
-        hidden = self._view.hides(np.ascontiguousarray(body.T), surely_behind_m(self.settings))
-        return self.floor.frame.to_world(body[hidden])
+        """Points (k, 3) of the object that were hidden."""
+        body = hidden_of(self._on_floor, self._view, self._cell_m, surely_behind_m(self.settings))
+        return self.floor.frame.to_world(body)
 
     def places(self, toward: FloatArray, gripper: Gripper) -> Iterator[Place]:
         """The object for a hand that comes against `toward` (3,), a unit vector: the whole, then what stands out.

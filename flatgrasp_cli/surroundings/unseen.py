@@ -1,9 +1,9 @@
 """Beyond the paper: what of an object that stands on a plane was hidden, as far as hands that come aslant may meet it.
 
 What was hidden straight below its rim is taken to belong to the object, as a hand from straight above takes for
-granted. A surface that rises up to its rim, as that of a cone or a tent does, has another side that falls: it is taken
-for the mirror image of the side that was seen (Bohg et al., "Mind the gap: robotic grasping under incomplete
-observation", ICRA 2011), as far as it was hidden.
+granted. A surface that rises up to a ridge or a peak, as that of a tent or a cone does, has another side: that is taken
+for the mirror image of the one that was seen (Bohg et al., "Mind the gap: robotic grasping under incomplete
+observation", ICRA 2011), as far as no ray passed there.
 """
 
 from __future__ import annotations
@@ -11,68 +11,100 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from flatgrasp_cli.geometry.arrays import FloatArray, IntArray, true_entries
+from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray, true_entries
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 from flatgrasp_cli.surroundings.sight import FAR_M
+from flatgrasp_cli.surroundings.view import View
 from flatgrasp_cli.surroundings.walls import LEAST_SLOPE
 
+BROAD_M = 0.5 * FAR_M
+"""How far beside its peak a profile must have fallen, metres, so that it ends in no level top; and how broad a side is
+at least that is taken for hidden: about as a finger. What protrudes from an object has nothing to be mirrored in."""
 
-def below_rim(local: FloatArray, cell_m: float) -> FloatArray:
-    """Points (k, 3) straight below the rim of an object with points `local` (n, 3) over a plane, a cell apart."""
+
+def hidden_of(local: FloatArray, view: View, cell_m: float, behind_m: float) -> FloatArray:
+    """Points (k, 3) of an object with points `local` (n, 3) over the plane that were hidden, about a cell apart.
+
+    By the `view`, in the same frame, they lie at least `behind_m` behind what rays met, and that is how far heights are
+    in doubt.
+    """
+    body = np.concatenate([_below_rim(local, cell_m), _behind_ridges(local, view, cell_m, behind_m)])
+    return body[_hides(view, body, behind_m)]
+
+
+def _below_rim(local: FloatArray, cell_m: float) -> FloatArray:
+    """Points (k, 3) straight below the rim of what was seen, down to the plane."""
     chart = HeightMap.of(local, cell_m)
-    raster = chart.raster
-    cell = raster.cells(local[:, 0], local[:, 1])
-    seen = (raster.count(cell) > 0).view(np.uint8)
+    seen = (chart.heights > UNSEEN).view(np.uint8)
     rim = (seen > 0) & (cv2.erode(seen, np.ones((3, 3), np.uint8)) == 0)
+    cell = chart.raster.cells(local[:, 0], local[:, 1])
     order = np.argsort(-local[:, 2], kind="stable")
     _, first = np.unique(cell[order], return_index=True)
     tops = local[order[first]]  # the highest point of each cell
     return _columns(tops[rim.take(cell[order[first]])], cell_m)
 
 
-def behind_ridges(local: FloatArray, viewpoint: FloatArray, cell_m: float, noise_m: float) -> FloatArray:
-    """Points (k, 3) of the sides behind ridges and peaks of an object with points `local` (n, 3), a cell apart.
+def _behind_ridges(local: FloatArray, view: View, cell_m: float, doubt_m: float) -> FloatArray:
+    """Points (k, 3) of the sides behind ridges and peaks.
 
-    Seen from `viewpoint` (3,), the surface rises up to them, and the side behind is the mirror image of it: along each
-    line of sight in the plane it is as high as the highest that was seen as far before the ridge, or farther.
+    Along each line of sight, seen from above, the hidden side is as high as the highest that was seen as far before its
+    ridge, or farther.
     """
-    size_m = float(np.hypot(*np.ptp(local[:, :2], axis=0)))
-    chart = HeightMap.around(local, cell_m, 0.5 * size_m).raised(local)
-    row, column = true_entries(chart.heights == UNSEEN)
-    places = chart.raster.middles(row, column)
-    ray = viewpoint[:2] - places
-    way = ray / np.maximum(np.linalg.norm(ray, axis=1), cell_m)[:, None]
-    steps = cell_m * np.arange(int(1.5 * size_m / cell_m) + 2)
+    chart = HeightMap.around(local, cell_m, float(local[:, 2].max())).raised(local)
+    places = chart.raster.middles(*true_entries(chart.heights == UNSEEN))
+    places = places[_hides(view, np.column_stack([places, np.zeros(len(places))]), doubt_m)]
+    if view.viewpoint is None or len(places) == 0:
+        return np.empty((0, 3))
+    profiles, gaps = _toward_sensor(chart, places, view.viewpoint)
+    rises = _rises_to_ridge(profiles, cell_m)
+    places, profiles, gaps = places[rises], profiles[rises], gaps[rises]
+    crests = np.maximum.accumulate(profiles[:, ::-1], axis=1)[:, ::-1]  # the highest from there on, to the sensor
+    ridge = (crests >= profiles[:, :1] - doubt_m).sum(axis=1) - 1
+    as_far = np.minimum(ridge + gaps, crests.shape[1] - 1)[:, None]
+    tops = np.column_stack([places, np.take_along_axis(crests, as_far, axis=1)])
+    tops = tops[tops[:, 2] > 0]
+    return _columns(tops[_is_broad(chart, tops[:, :2])], cell_m)
+
+
+def _toward_sensor(chart: HeightMap, places: FloatArray, viewpoint: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Heights (k, s), a cell apart, from the first that was seen on, on the way from `places` (k, 2) to the sensor.
+
+    They are 0 where nothing was seen. How many cells (k,) before the first were not seen is the other answer.
+    """
+    way = viewpoint[:2] - places
+    way /= np.maximum(np.linalg.norm(way, axis=1), chart.cell_m)[:, None]
+    steps = chart.cell_m * np.arange(np.hypot(*chart.raster.shape))
     heights = chart.over(*(places[:, None, k] + steps * way[:, None, k] for k in (0, 1)))
-    gap = np.argmax(heights > UNSEEN, axis=1)
-    hides = np.flatnonzero(heights[np.arange(len(gap)), gap] > UNSEEN)
-    places, heights, gap = places[hides], heights[hides], gap[hides]
-    shifted = gap[:, None] + np.arange(len(steps))
-    seen = np.where(
-        shifted < len(steps), np.take_along_axis(heights, np.minimum(shifted, len(steps) - 1), axis=1), UNSEEN
-    )
-    limb = int(0.5 * FAR_M / cell_m)
-    peak = np.argmax(seen, axis=1)
-    before = np.take_along_axis(seen, np.minimum(peak + limb, len(steps) - 1)[:, None], axis=1)[:, 0]
-    top = np.take_along_axis(seen, peak[:, None], axis=1)[:, 0]
-    rises = top - before > LEAST_SLOPE * limb * cell_m
-    places, seen, gap = places[rises], seen[rises], gap[rises]
-    crest = np.maximum.accumulate(seen[:, ::-1], axis=1)[:, ::-1]
-    own = (crest >= seen[:, :1] - noise_m).sum(axis=1) - 1
-    mirrored = own + gap
-    inside = mirrored < len(steps)
-    height = crest[np.arange(len(own)), np.minimum(mirrored, len(steps) - 1)]
-    found = np.flatnonzero(inside & (height > 0))
-    filled = np.zeros(chart.raster.shape, dtype=np.uint8)
-    cell = chart.raster.cells(*places[found].T)
-    filled.reshape(-1)[cell] = 1
-    wide = limb | 1
-    broad = cv2.morphologyEx(filled, cv2.MORPH_OPEN, np.ones((wide, wide), np.uint8)).take(cell) > 0
-    return _columns(np.column_stack([places, height])[found[broad]], cell_m)
+    gaps = np.argmax(heights > UNSEEN, axis=1)
+    behind = np.arange(len(steps)) + gaps[:, None]
+    profiles = np.take_along_axis(heights, np.minimum(behind, len(steps) - 1), axis=1)
+    return np.where(behind < len(steps), np.maximum(profiles, 0.0), 0.0), gaps
+
+
+def _rises_to_ridge(profiles: FloatArray, cell_m: float) -> BoolArray:
+    """Which of the `profiles` (k, s) rise to a peak, and to no level top, by what they are beside it."""
+    broad, last = int(BROAD_M / cell_m), profiles.shape[1] - 1
+    peak = np.argmax(profiles, axis=1)[:, None]
+    fall = np.take_along_axis(profiles, peak, 1) - np.take_along_axis(profiles, np.minimum(peak + broad, last), 1)
+    return np.asarray(fall[:, 0] > LEAST_SLOPE * BROAD_M)
+
+
+def _is_broad(chart: HeightMap, places: FloatArray) -> BoolArray:
+    """Which of the `places` (k, 2), a cell of the chart each, are part of an area of them as broad as `BROAD_M`."""
+    area, cell = np.zeros(chart.raster.shape, dtype=np.uint8), chart.raster.cells(*places.T)
+    area.reshape(-1)[cell] = 1
+    broad = int(BROAD_M / chart.cell_m) | 1  # an odd number of cells has a middle
+    opened = cv2.morphologyEx(area, cv2.MORPH_OPEN, np.ones((broad, broad), np.uint8))
+    return np.asarray(opened.take(cell) > 0)
 
 
 def _columns(tops: FloatArray, cell_m: float) -> FloatArray:
-    """Points (k, 3) from the plane up to each of the `tops` (n, 3), so far apart."""
+    """Points (k, 3) from the plane up to each of the `tops` (n, 3), a cell apart."""
     levels = np.arange(0.0, float(tops[:, 2].max(initial=0.0)), cell_m)
     place, level = true_entries(levels < tops[:, 2:])
     return np.column_stack([tops[place, :2], levels[level]])
+
+
+def _hides(view: View, points: FloatArray, behind_m: float) -> BoolArray:
+    """Which of the points (k, 3) are hidden, by at least so far behind what rays met."""
+    return view.hides(np.ascontiguousarray(points.T), behind_m)

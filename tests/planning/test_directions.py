@@ -193,3 +193,22 @@ def test_without_a_grasp_the_nearest_miss_of_all_directions_is_named() -> None:
     straight, aslant = str(found.reason).split("; ", 1)
     assert "narrowest graspable width" in straight
     assert "° aslant, " in aslant
+
+
+def test_from_a_direction_that_is_stated_a_thing_is_no_heavier_than_where_all_are_tried(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """From aslant it has more below what was seen than from straight above, where it is all there."""
+    known, from_one = [], objects._from
+
+    def spied(search: Any, tilted: Any, direction: Direction, most_m3: float) -> Any:
+        known.append(most_m3)
+        return from_one(search, tilted, direction, most_m3)
+
+    monkeypatch.setattr(objects, "_from", spied)
+    planned(LYING_CAN, directions="any", tilts_deg="[60]", around=1)
+    among_all = set(known)
+    known.clear()
+    planned(LYING_CAN, directions="[0.0, -0.87, -0.5]")
+    assert set(known) == among_all
+    assert max(known) < 0.066 * 0.12 * 0.066
