@@ -38,7 +38,7 @@ def answer_for(cloud: ObjectCloud, search: Search) -> Answer:
     box = _box(cloud, search.settings)
     if box is None:
         return _nothing(Rejection("main_plane", _no_plane(cloud.points, search.settings.scene.crop is not None)))
-    slices = places(cloud, box, search.settings)
+    slices = places(cloud, box, search.gripper, search.settings)
     whole = next(slices)
     if hanging := hanging_m(whole):
         reason = f"it hangs {1e3 * hanging:.0f} mm up in the air: only free space was seen below it"

@@ -20,6 +20,7 @@ from flatgrasp_cli.geometry.principal_axes import main_axes, principal_axes
 from flatgrasp_cli.geometry.range_image import RangeImage
 from flatgrasp_cli.geometry.spacing import spacing
 from flatgrasp_cli.model import ObjectCloud, OrientedBox, SupportPlane
+from flatgrasp_cli.profiles.gripper import Gripper
 from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.surroundings.alone import Alone
 from flatgrasp_cli.surroundings.interface import Surroundings
@@ -32,8 +33,8 @@ PIXEL_CELLS = 1.5
 """Side of the range image's pixels, in cells of the height maps: a cell is as wide as the six neighbours of a point lie
 around it, so of points that lie as they fall one pixel in 2,000 is empty; if it were one cell, one in 30."""
 FINGERS_M = 0.12
-"""How far around an object the height maps reach, metres: no finger of a hand that opens by 14 cm comes down farther
-out."""
+"""How far around an object the height maps reach at least, metres: no finger of a hand that opens by 14 cm comes down
+farther out."""
 NEIGHBOURS_WITHIN = 2.0
 """Steps of a square grid within which a point at its edge has six neighbours; on a rod they lie farther along it."""
 MOST_HANGING_M = 0.04
@@ -82,7 +83,15 @@ def box_across(
     return OrientedBox.around(mean, centred, main_axes(centred, normal, axes[2], method), bottom)
 
 
-def places(cloud: ObjectCloud, box: OrientedBox, settings: PlannerSettings) -> Iterator[Place]:
+def fingers_reach_m(gripper: Gripper, settings: PlannerSettings) -> float:
+    """How far beside an object fingers come down, metres, also those that miss: so far height maps reach around it."""
+    out = 0.5 * gripper.max_opening_m + gripper.finger_thickness_m  # both stand equally far from what is between them
+    aside = 0.5 * gripper.finger_width_m + max(abs(offset) for jaw in gripper.jaws for offset in jaw)
+    misses = 3 * settings.uncertainty.figures.position_m
+    return max(FINGERS_M, float(np.hypot(out, aside)) + misses)
+
+
+def places(cloud: ObjectCloud, box: OrientedBox, gripper: Gripper, settings: PlannerSettings) -> Iterator[Place]:
     """The whole of an object in the main plane of its `box` and, over a support plane, the slices that stand out.
 
     A slice is made as it is asked for, and most objects are had well without one.
@@ -90,10 +99,12 @@ def places(cloud: ObjectCloud, box: OrientedBox, settings: PlannerSettings) -> I
     if cloud.support is None:
         yield Place(box, box.frame, box.frame.to_local(cloud.points), Alone(settings))
     else:
-        yield from _slices(cloud, box, cloud.support, settings)
+        yield from _slices(cloud, box, cloud.support, gripper, settings)
 
 
-def _slices(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, settings: PlannerSettings) -> Iterator[Place]:
+def _slices(
+    cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, gripper: Gripper, settings: PlannerSettings
+) -> Iterator[Place]:
     """The whole first, in a frame whose origin is the foot of the box's centre on the support plane."""
     frame = replace(box.frame, origin=box.frame.origin - support.heights(box.frame.origin) * support.normal)
     local, obstacles = frame.to_local(cloud.points), frame.to_local(cloud.obstacles)
@@ -101,7 +112,7 @@ def _slices(cloud: ObjectCloud, box: OrientedBox, support: SupportPlane, setting
     if cloud.floor is not None:
         spacing_m = min(spacing_m, NEIGHBOURS_WITHIN * cloud.floor.spacing_m)
     cell_m = max(MIN_CELL_M, spacing_m)
-    others = HeightMap.around(local, cell_m, FINGERS_M).raised(obstacles)
+    others = HeightMap.around(local, cell_m, fingers_reach_m(gripper, settings)).raised(obstacles)
     if cloud.floor is not None:
         others = others.filled(cloud.floor.levels, frame, cloud.floor.frame)
     everything = np.concatenate([local, obstacles])

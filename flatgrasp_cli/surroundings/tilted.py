@@ -24,12 +24,12 @@ from flatgrasp_cli.profiles.settings import PlannerSettings
 from flatgrasp_cli.surroundings.aslant import Aslant, surely_behind_m
 from flatgrasp_cli.surroundings.maps import MIN_CELL_M, HeightMaps
 from flatgrasp_cli.surroundings.places import (
-    FINGERS_M,
     NEIGHBOURS_WITHIN,
     PIXEL_CELLS,
     Place,
     above,
     box_across,
+    fingers_reach_m,
 )
 from flatgrasp_cli.surroundings.slices import lowest_tip, slices, top_of
 from flatgrasp_cli.surroundings.unseen import hidden_of
@@ -110,7 +110,7 @@ class Tilted:
         spacing_m = min(spacing(local[:, :2]), NEIGHBOURS_WITHIN * self.floor.spacing_m)
         cell_m = max(MIN_CELL_M, spacing_m)
 
-        others = self._standing(local, frame, cell_m).raised(obstacles)
+        others = self._standing(local, frame, cell_m, fingers_reach_m(gripper, self.settings)).raised(obstacles)
         if not self._has_room(others.raised(local), local, gripper):
             return None
         body, own = frame.to_local(self._body), others.averaged(local)
@@ -137,13 +137,13 @@ class Tilted:
         )
         return Place(box=box, frame=frame, points=local, surroundings=around, spacing_m=spacing_m)
 
-    def _standing(self, local: FloatArray, frame: Frame, cell_m: float) -> HeightMap:
-        """The floor around points `local` (n, 3), seen along z of the `frame`."""
+    def _standing(self, local: FloatArray, frame: Frame, cell_m: float, reach_m: float) -> HeightMap:
+        """The floor `reach_m` around points `local` (n, 3), seen along z of the `frame`."""
         normal = self.floor.frame.axes[2]
         # beside a hand that comes along the support plane, that is as high as can be
         fall = max(float(frame.axes[2] @ normal), float(np.finfo(np.float64).eps))
         beside_m = max(0.0, self._clearance_m - fall * self.settings.depth.obstacle_clearance_m)
-        chart = HeightMap.around(local, cell_m, FINGERS_M)
+        chart = HeightMap.around(local, cell_m, reach_m)
         rows, columns = chart.raster.shape
         x = chart.raster.origin[0] + cell_m * (0.5 + np.arange(rows))
         y = chart.raster.origin[1] + cell_m * (0.5 + np.arange(columns))

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flatgrasp_cli import load_settings
+from flatgrasp_cli import load_gripper, load_settings, plan
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import ObjectCloud
 from flatgrasp_cli.scene import segment
@@ -16,7 +16,9 @@ from flatgrasp_cli.surroundings import OnSupport, Place, box_on, hanging_m, plac
 from flatgrasp_cli.surroundings.slices import slices, top_of
 from flatgrasp_cli.surroundings.walls import walls
 from tests.by_hand import MM, bar, candidates, on_table
-from tests.conftest import TABLE, Box, Camera
+from tests.conftest import TABLE, Box, Camera, Tube
+from tests.scene.test_heaps import distance
+from tests.surroundings.on_a_table import hand_in
 
 SETTINGS = load_settings()
 DEPTH = SETTINGS.depth
@@ -28,7 +30,7 @@ def whole_of(cloud: ObjectCloud) -> Place:
     assert cloud.support is not None
     box = box_on(cloud.support, cloud.points, "min_area")
     assert box is not None
-    return next(places(cloud, box, SETTINGS))
+    return next(places(cloud, box, load_gripper("pr2"), SETTINGS))
 
 
 def around(place: Place) -> OnSupport:
@@ -223,3 +225,17 @@ def test_hardly_a_pixel_is_empty_where_there_is_a_surface() -> None:
     inside = np.isfinite(image.ranges)[3:-3, 3:-3]
     assert inside.size > 500
     assert inside.mean() > 0.99
+
+
+@pytest.mark.parametrize("preshape_m", [0.18, 0.25])
+def test_fingers_that_come_down_far_beside_an_object_meet_what_is_there(preshape_m: float) -> None:
+    """A hand that opens by 60 cm, and a can; beside it, 18 cm from its side and farther, walls are as high as it."""
+    can = Tube((0.0, 0.0, 0.025), 0.03, 0.05)
+    around_it = [Box((side * 0.24, 0.0, 0.025), (0.06, 0.54, 0.05)) for side in (1, -1)]
+    around_it += [Box((0.0, side * 0.24, 0.025), (0.42, 0.06, 0.05)) for side in (1, -1)]
+    wide = load_gripper("pr2").model_copy(update={"max_opening_m": 0.6, "palm_m": 0.6})
+    settings = load_settings("default", (f"hand.preshape_m={preshape_m}", "approach.directions=top"))
+    cloud = Camera(distance=1.2, pixels=(400, 300), focal=420.0).sees(TABLE, can, *around_it)
+    found = (grasp for item in plan(cloud, wide, settings).objects for grasp in item.grasps)
+    best = next(grasp for grasp in found if float(np.hypot(*grasp.position[:2])) < 0.02)
+    assert min(distance(wall, hand_in(best, wide)).min() for wall in around_it) > 0
