@@ -46,7 +46,8 @@ def answer_for(cloud: ObjectCloud, search: Search) -> Answer:
     if refused := not_allowed(cloud, search.settings.approach):
         return _nothing(refused)
     if cloud.support is None or cloud.floor is None:
-        return search.whole(whole, slices)
+        stated = _stated(cloud, search.settings) if cloud.support is None else None
+        return replace(search.whole(whole, slices), direction=stated)
     asked = search.settings.approach.directions
     first = search.whole(whole, slices) if asked in ("auto", "top", "any") else None
     if first and (asked == "top" or (asked == "auto" and search.is_enough(first))):
@@ -115,10 +116,18 @@ def _box(cloud: ObjectCloud, settings: PlannerSettings) -> OrientedBox | None:
     method = settings.main_plane.method
     if cloud.support is not None:
         return box_on(cloud.support, cloud.points, method)
+    if stated := _stated(cloud, settings):
+        return box_across(stated.toward, cloud.points, method)
+    return oriented_box(cloud.points, cloud.toward, method)
+
+
+def _stated(cloud: ObjectCloud, settings: PlannerSettings) -> Direction | None:
+    """The direction in which the settings want an object alone to be gripped; straight down if the way up is known."""
+    asked, up = settings.approach.directions, settings.scene.up
     toward = asked_of(cloud, settings.approach)
     if toward is not None:
-        return box_across(toward, cloud.points, method)
-    return oriented_box(cloud.points, cloud.toward, method)
+        return Direction(toward, "view" if asked == "view" else "given")
+    return Direction(np.asarray(up) / np.linalg.norm(up), "top") if asked == "top" and up is not None else None
 
 
 def _nothing(rejection: Rejection) -> Answer:

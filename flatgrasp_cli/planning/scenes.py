@@ -49,7 +49,12 @@ class Plan:
         """What had to be assumed and can change the answer."""
         return tuple(
             dict.fromkeys(
-                (*self.cloud.warnings, *self.scene.warnings, *_doubtful(self.best, self.scene, self.settings))
+                (
+                    *self.cloud.warnings,
+                    *self.scene.warnings,
+                    *_approach_ignored(self.scene, self.settings),
+                    *_doubtful(self.best, self.scene, self.settings),
+                )
             )
         )
 
@@ -154,6 +159,23 @@ def _doubtful(best: Grasp | None, scene: Scene, settings: PlannerSettings) -> tu
         "its success.causes say why, and a view from another side may show a better one"
     )
     return (CloudWarning("doubtful_grasp", text),)
+
+
+def _approach_ignored(scene: Scene, settings: PlannerSettings) -> tuple[CloudWarning, ...]:
+    """The warning that an object alone is gripped across its own main plane, whatever side was wanted."""
+    asked, limit_deg = settings.approach.directions, settings.approach.max_tilt_deg
+    if scene.support is not None or not scene.objects or isinstance(asked, tuple) or asked == "view":
+        return ()
+    if asked == "top" and settings.scene.up is not None:
+        return ()
+    ignored = (f"--approach {asked}" if asked != "auto" else "", f"--max-tilt {limit_deg:g}" if limit_deg < 90 else "")
+    if not any(ignored):
+        return ()
+    text = (
+        f"{' and '.join(filter(None, ignored))}: an object alone is gripped across its main plane, however that lies; "
+        "--approach X,Y,Z states a direction, and so does --approach top with --up X,Y,Z"
+    )
+    return (CloudWarning("approach_ignored", text),)
 
 
 def _table_tilted(support: SupportPlane | None) -> tuple[CloudWarning, ...]:

@@ -20,7 +20,7 @@ class Direction:
     """A unit vector `toward` (3,) that a hand comes against, and what it follows from."""
 
     toward: FloatArray
-    known_from: Literal["main_plane", "view", "tilt", "given"]
+    known_from: Literal["top", "main_plane", "view", "tilt", "given"]
 
 
 def asked_of(cloud: ObjectCloud, settings: ApproachSettings) -> FloatArray | None:

@@ -10,7 +10,7 @@ import pytest
 
 from flatgrasp_cli import Plan, load_gripper, load_robot, load_settings, plan
 from flatgrasp_cli.geometry.frames import axes_from_quaternion
-from flatgrasp_cli.model import Sensor
+from flatgrasp_cli.model import Cloud, Sensor, Source
 from flatgrasp_cli.planning import objects
 from flatgrasp_cli.profiles import Robot
 from flatgrasp_cli.results.document import to_document
@@ -212,3 +212,45 @@ def test_from_a_direction_that_is_stated_a_thing_is_no_heavier_than_where_all_ar
     planned(LYING_CAN, directions="[0.0, -0.87, -0.5]")
     assert set(known) == among_all
     assert max(known) < 0.066 * 0.12 * 0.066
+
+
+class TestAnObjectAlone:
+    """A block 12 cm high, of which a sensor saw the top and a side: its main plane is upright."""
+
+    SIZE = np.array([0.04, 0.07, 0.12])
+
+    def planned(self, **settings: Any) -> Plan:
+        a, b = np.meshgrid(np.linspace(-0.5, 0.5, 30), np.linspace(-0.5, 0.5, 30))
+        half = np.full(a.size, 0.5)
+        top = np.column_stack([a.ravel(), b.ravel(), half])
+        side = np.column_stack([half, a.ravel(), b.ravel()])
+        cloud = Cloud(np.concatenate([top, side]) * self.SIZE, np.array([1.0, 0.0, 1.0]), Source("alone"))
+        overrides = tuple(f"{key.replace('__', '.')}={value}" for key, value in settings.items())
+        return plan(cloud, load_gripper("wsg_50"), load_settings("default", ("scene.mode=object", *overrides)))
+
+    def test_straight_down_is_against_the_way_up(self) -> None:
+        best = self.planned(approach__directions="top", scene__up="[0, 0, 2]").best
+        assert best is not None
+        assert best.approach.direction == pytest.approx([0, 0, -1], abs=1e-9)
+        assert best.approach.known_from == "top"
+
+    def test_a_direction_that_is_given_is_said_to_be(self) -> None:
+        best = self.planned(approach__directions="[0, 0, -1]").best
+        assert best is not None
+        assert best.approach.known_from == "given"
+
+    @pytest.mark.parametrize(
+        ("asked", "told"),
+        [
+            ({}, ()),
+            ({"approach__directions": "top"}, ("--approach top",)),
+            ({"approach__directions": "any", "approach__max_tilt_deg": 10}, ("--approach any", "--max-tilt 10")),
+            ({"approach__max_tilt_deg": 10, "scene__up": "[0, 0, 1]"}, ("--max-tilt 10",)),
+            ({"approach__directions": "top", "scene__up": "[0, 0, 1]"}, ()),
+            ({"approach__directions": "view"}, ()),
+        ],
+    )
+    def test_what_says_nothing_of_it_is_told(self, asked: dict[str, Any], told: tuple[str, ...]) -> None:
+        warned = [warning.text for warning in self.planned(**asked).warnings if warning.code == "approach_ignored"]
+        assert len(warned) == bool(told)
+        assert all(option in text for text in warned for option in told)
