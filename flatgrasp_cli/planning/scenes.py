@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 
 import numpy as np
 
+from flatgrasp_cli.geometry.spacing import spacing
 from flatgrasp_cli.model import Cloud, CloudWarning, Grasp, ObjectPlan, Scene, SupportPlane
 from flatgrasp_cli.planning.lifting import plan_object
 from flatgrasp_cli.profiles import Gripper, PlannerSettings, Robot, load_settings
@@ -53,6 +54,7 @@ class Plan:
                     *self.cloud.warnings,
                     *self.scene.warnings,
                     *_approach_ignored(self.scene, self.settings),
+                    *_sparse(self.objects, self.settings),
                     *_doubtful(self.best, self.scene, self.settings),
                 )
             )
@@ -159,6 +161,28 @@ def _doubtful(best: Grasp | None, scene: Scene, settings: PlannerSettings) -> tu
         "its success.causes say why, and a view from another side may show a better one"
     )
     return (CloudWarning("doubtful_grasp", text),)
+
+
+def _sparse(objects: Sequence[ObjectPlan], settings: PlannerSettings) -> tuple[CloudWarning, ...]:
+    """The warning that points lie so far apart that edges are known less well than where the hand comes to stand.
+
+    An edge is anywhere between the last point that it holds and the next one that it does not.
+    """
+    known_m = 2 * settings.uncertainty.figures.position_m
+    if not any(_spacing_m(item) > known_m for item in objects if item.grasps):
+        return ()
+    text = (
+        "points lie farther apart than twice uncertainty.position_m: objects may be wider than is said, and "
+        "probabilities do not count that; a nearer or denser cloud tells, and a larger uncertainty.position_m counts it"
+    )
+    return (CloudWarning("sparse_cloud", text),)
+
+
+def _spacing_m(item: ObjectPlan) -> float:
+    """How far apart points lie, metres: those of what the object stands on, or its own in the plane of its grasps."""
+    if item.object.floor is not None:
+        return item.object.floor.spacing_m
+    return 0.0 if item.silhouette is None else spacing(item.silhouette.points)
 
 
 def _approach_ignored(scene: Scene, settings: PlannerSettings) -> tuple[CloudWarning, ...]:

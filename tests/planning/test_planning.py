@@ -10,10 +10,20 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 
-from flatgrasp_cli import Plan, funnel, in_base_frame, load_robot, load_settings, plan, read_clouds, to_document
+from flatgrasp_cli import (
+    Plan,
+    funnel,
+    in_base_frame,
+    load_gripper,
+    load_robot,
+    load_settings,
+    plan,
+    read_clouds,
+    to_document,
+)
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.frames import axes_from_quaternion, quaternion_from_axes
-from flatgrasp_cli.model import Cloud, Grasp
+from flatgrasp_cli.model import Cloud, Grasp, Source
 from flatgrasp_cli.profiles import Gripper, Robot
 from flatgrasp_cli.profiles.robot import CameraPose
 from flatgrasp_cli.results.contracts import json_schema
@@ -356,3 +366,16 @@ def test_strays_of_an_object_alone_are_no_points_of_it(pr2: Gripper) -> None:
         cloud_of(np.concatenate([plate, speck])), pr2, load_settings("default", ("scene.mode=object",))
     ).objects
     assert len(item.object.points) == len(plate)
+
+
+@pytest.mark.parametrize(("apart_m", "told"), [(0.004, False), (0.012, True)])
+@pytest.mark.parametrize("alone", [True, False])
+def test_points_that_lie_far_apart_are_told(apart_m: float, alone: bool, told: bool) -> None:
+    """On a table, or alone: the least that has an answer is warned of, and what is usual is not."""
+    x, y = np.meshgrid(np.arange(-0.3, 0.3, apart_m), np.arange(-0.3, 0.3, apart_m))
+    on = (np.abs(x) < 0.08) & (np.abs(y) < 0.03)
+    points = np.column_stack([x.ravel(), y.ravel(), np.where(on, 0.05, 0.0).ravel()])
+    cloud = Cloud(points[on.ravel()] if alone else points, np.array([0.0, 0.0, 1.0]), Source("sparse"))
+    found = plan(cloud, load_gripper("pr2"))
+    assert found.best is not None, found.reason
+    assert any(warning.code == "sparse_cloud" for warning in found.warnings) == told
