@@ -19,6 +19,11 @@ MANY = 3
 that a sample holds more often is a repeated one: in millimetre steps two points may coincide, hardly four."""
 
 
+COPIES_SAMPLE = 4
+"""Places by which a cloud is told that holds each of its points several times: all of them are there again. Where that
+is chance, leaving out copies does no harm."""
+
+
 def without_far_strays(cloud: Cloud) -> Cloud:
     """The cloud without the points that lie farther from its bulk than the bulk is large, and farther than a metre.
 
@@ -52,8 +57,11 @@ def without_repeats(cloud: Cloud) -> Cloud:
     """The cloud with a single one of each point that it holds again and again.
 
     No sensor measures the same place repeatedly to the last digit. Such points are invalid ones, moved to the sensor's
-    place or another by a transform, or copies that pad a cloud to a fixed length.
+    place or another by a transform, or copies that pad a cloud to a fixed length; or a frame was stored several times.
     """
+    if _is_copied(cloud):
+        _, first = np.unique(cloud.points, axis=0, return_index=True)
+        return cloud.without(np.setdiff1d(np.arange(len(cloud.points)), first))
     sample = cloud.sample(FINE_SAMPLE)
     x, y, z = sample.T
     mixed = (x + GOLDEN * (y + GOLDEN * z)).astype(np.float32)  # the same for the same place, and hardly for another
@@ -64,6 +72,16 @@ def without_repeats(cloud: Cloud) -> Cloud:
     places, counts = np.unique(sample[np.isin(mixed, repeated)], axis=0, return_counts=True)
     again = [np.flatnonzero((cloud.points == place).all(axis=1))[1:] for place in places[counts > MANY]]
     return cloud.without(np.concatenate(again)) if again else cloud
+
+
+def _is_copied(cloud: Cloud) -> bool:
+    """Whether a cloud holds its points several times each; pixels of an image lie on different rays."""
+    if cloud.pixels is not None or len(cloud.points) == 0:
+        return False
+    alike = (
+        cloud.points.take(np.flatnonzero(cloud.points[:, 0] == x), axis=0) for x in cloud.sample(COPIES_SAMPLE)[:, 0]
+    )
+    return all(len(points) > len(np.unique(points, axis=0)) for points in alike)
 
 
 def lonely(points: FloatArray, cell_m: float) -> BoolArray:

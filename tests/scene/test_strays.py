@@ -62,3 +62,10 @@ def test_three_points_within_a_centimetre_are_no_strays(points: int, alone: bool
     together = 0.003 * np.random.default_rng(4).uniform(-1, 1, (points, 3))
     far = np.array([[0.5, 0.0, 0.0]])
     assert lonely(np.concatenate([together, far]), 0.01).tolist() == [*[alone] * points, True]
+
+
+@pytest.mark.parametrize("stored", [np.repeat(BULK, 2, axis=0), np.tile(BULK, (3, 1))], ids=["each twice", "thrice"])
+def test_a_cloud_stored_several_times_is_that_cloud(stored: FloatArray) -> None:
+    found = without_repeats(Cloud(stored))
+    assert np.array_equal(found.points, BULK)
+    assert found.dropped == len(stored) - len(BULK)
