@@ -253,7 +253,7 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureF
     monkeypatch.chdir(folder)
 
     def call(*arguments: str | Path, stdin: bytes = b"", terminal: bool = False) -> Ended:
-        given = io.TextIOWrapper(io.BytesIO(stdin))
+        given = io.TextIOWrapper(io.BufferedReader(io.BytesIO(stdin)))
         monkeypatch.setattr(given, "isatty", lambda: terminal)
         monkeypatch.setattr(sys, "argv", ["flatgrasp", *map(str, arguments)])
         monkeypatch.setattr(sys, "stdin", given)

@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from datetime import datetime
 from functools import partial
 from pathlib import Path
@@ -72,13 +73,11 @@ def command(
     every frame; 1: some frame has none; 3: some source could not be read.
     """
     from flatgrasp_cli.batch.executors import Workers
-    from flatgrasp_cli.batch.inputs import find_inputs
     from flatgrasp_cli.batch.run import Progress, run
     from flatgrasp_cli.batch.store import Store
 
-    inputs = find_inputs((*sources, *_listed(from_list)))
-    if not inputs:
-        raise UsageError("nothing to plan: name files, folders, globs or URLs, or give --from-list")
+    job = replace(job, selection=replace(job.selection, typed=frozenset()))  # among many, some may have no use for one
+    inputs = _inputs((*sources, *_listed(from_list)))
     store = Store(out)
     if force or not store.concluded(inputs):
         bag.check_new()
@@ -105,6 +104,15 @@ def command(
     if progress.inputs_failed:
         return SourceError.exit_code
     return NO_GRASP if progress.frames_refused else 0
+
+
+def _inputs(sources: tuple[str, ...]) -> list[Input]:
+    from flatgrasp_cli.batch.inputs import find_inputs
+
+    inputs = find_inputs(sources)
+    if not inputs:
+        raise UsageError("nothing to plan: name files, folders, globs or URLs, or give --from-list")
+    return inputs
 
 
 def _cores() -> int:

@@ -53,7 +53,7 @@ def command(source: str, job: Job, out: Path | None, as_json: bool) -> int:
     """Show all grasps of two point fingers on an outline, and within which openings each cages it.
 
     A POLYGON is a JSON list of [x, y] in any unit, counter-clockwise or not, holes after it as further lists; or CSV of
-    x,y. Of a CLOUD it is every object's outline. After Allen, Burdick & Rimon (ICRA 2012).
+    x,y; "-" is standard input. Of a CLOUD it is every object's outline. After Allen, Burdick & Rimon (ICRA 2012).
 
     Exit code 0: a grasp on every outline; 1: none on some, or no object in some cloud; 2: some picture could not be
     drawn; 3: the source could not be read.
@@ -90,7 +90,7 @@ def _outlines(source: str, job: Job) -> Iterator[list[_Outline]]:
         yield [
             _Outline(
                 stem=stem,
-                source=source,
+                source="stdin" if source == "-" else source,
                 thing=None,
                 loops=read_polygon(source),
                 settings=caging.model_copy(update=exact),

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 from flatgrasp_cli.cli.defaults import overrides, tell
 from flatgrasp_cli.cli.image_options import of_images
@@ -38,7 +39,8 @@ def job_of(values: Mapping[str, Any]) -> Job:
     settings = overrides(context, shortcuts(values), values.get("given", ()))
     if values.get("verbose"):
         tell(context, settings)
-    return make_job(values, tuple(each.text for each in settings))
+    typed = [name for name in values if context.get_parameter_source(name) is ParameterSource.COMMANDLINE]
+    return make_job(values, tuple(each.text for each in settings), typed)
 
 
 def shortcuts(values: Mapping[str, Any]) -> dict[str, str]:
@@ -54,8 +56,11 @@ def _value(name: str, text: str) -> str:
     return f"[{text}]" if "," in text else text or "''"  # an empty word is no null
 
 
-def make_job(values: Mapping[str, Any], settings: tuple[str, ...]) -> Job:
-    """The job that options' values say, by the options' parameters, with all planner `settings` that were said."""
+def make_job(values: Mapping[str, Any], settings: tuple[str, ...], typed: Iterable[str]) -> Job:
+    """The job that options' values say, by the options' parameters, with all planner `settings` that were said.
+
+    `typed` are the options that are no defaults, but were given for just these sources.
+    """
     with importing():
         from flatgrasp_cli.job import Job
     from flatgrasp_cli.cli.place_options import parse_sensor, parse_workcell
@@ -70,7 +75,9 @@ def make_job(values: Mapping[str, Any], settings: tuple[str, ...]) -> Job:
         settings=load_settings(values["method"], settings),
         workcell=parse_workcell(values.get("robot"), values.get("camera_pose"), values.get("base_frame")),
         selection=replace(
-            _selection(**frames) if frames else EVERYTHING, sensor_frame=stated if isinstance(stated, str) else None
+            _selection(**frames) if frames else EVERYTHING,
+            sensor_frame=stated if isinstance(stated, str) else None,
+            typed=frozenset(name for name in typed if values.get(name) is not None),
         ),
         sensor=None if isinstance(stated, str) else stated,
         scale=values.get("scale", 1.0),

@@ -50,7 +50,7 @@ class RequestOptions:
     def _made(self, options: str) -> Job:
         values = self._parsed(json.loads(options))
         settings = (*self._settings, *shortcuts(values).values(), *values.get("given", ()))
-        return make_job(self._values | values, settings)
+        return make_job(self._values | values, settings, values)
 
     def _parsed(self, options: Mapping[str, Any]) -> dict[str, Any]:
         """The values that options say, by their parameters."""

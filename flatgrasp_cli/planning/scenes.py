@@ -146,11 +146,13 @@ def _once_more(
 
 def _doubtful(best: Grasp | None, scene: Scene, settings: PlannerSettings) -> tuple[CloudWarning, ...]:
     """The warning that what comes first is no good grasp, but the best of the sides that hands were to come from."""
-    if best is None or best.success is None or settings.ranking.prefer != "success":
+    if best is None or best.success is None:
         return ()
     if best.success.probability >= settings.approach.enough:
         return ()
-    if scene.support is None:
+    if settings.ranking.prefer != "success":
+        sides = f"for {settings.ranking.prefer} decides which is best (--prefer success takes what most probably holds)"
+    elif scene.support is None:
         sides = "from the one side that an object alone is tried from (--approach X,Y,Z states another)"
     elif settings.approach.directions in ("auto", "any"):
         sides = f"whatever side it comes from, up to {settings.approach.max_tilt_deg:g}° off straight down (--max-tilt)"

@@ -19,16 +19,20 @@ the noise, and beyond two hardly anything is."""
 
 def derived(data: dict[str, Any]) -> dict[str, Any]:
     """A planner profile's text with a number for each length that is null and follows from others."""
-    sections = ("depth", "uncertainty", *(section for section, _, _ in OF_OUTLINE))
-    if not all(isinstance(data.get(section), dict) for section in sections):
-        return data  # which validation has more to say of
     data = {key: dict(value) if isinstance(value, dict) else value for key, value in data.items()}
-    outline_m = _number(data["uncertainty"].get("outline_m"), Uncertainty().outline_m)
+    # a section that is none is reported as that, and not by the lengths of others that follow from it
+    uncertainty, caging, depth = (_section(data, name) for name in ("uncertainty", "caging", "depth"))
+    outline_m = _number(uncertainty.get("outline_m"), Uncertainty().outline_m)
     for section, key, ratio in OF_OUTLINE:
-        _fill(data[section], key, ratio * outline_m)
-    _fill(data["caging"], "told_apart_m", 2 * _number(data["caging"].get("noise_m"), outline_m))
-    _fill(data["depth"], "palm_clearance_m", _number(data["depth"].get("table_clearance_m"), outline_m))
+        _fill(_section(data, section), key, ratio * outline_m)
+    _fill(caging, "told_apart_m", 2 * _number(caging.get("noise_m"), outline_m))
+    _fill(depth, "palm_clearance_m", _number(depth.get("table_clearance_m"), outline_m))
     return data
+
+
+def _section(data: dict[str, Any], name: str) -> dict[str, Any]:
+    section = data.get(name)
+    return section if isinstance(section, dict) else {}
 
 
 def _number(value: Any, otherwise: float) -> float:

@@ -197,9 +197,8 @@ def _validate(model: type[P], data: dict[str, Any], path: Path, overrides: str =
     except ValidationError as error:
         problems = explained(model, error)
         place = f"{path} with {overrides}" if overrides else str(path)
-        more = (
-            f"\n(and {len(problems) - 1} more; `flatgrasp profiles check FILE` lists all)" if len(problems) > 1 else ""
-        )
+        listed = "" if overrides else f"; `flatgrasp profiles check {path}` lists all"  # which knows no overrides
+        more = f"\n(and {len(problems) - 1} more{listed})" if len(problems) > 1 else ""
         raise ProfileError(f"{place}: {problems[0]}{more}") from error
 
 

@@ -11,7 +11,7 @@ from flatgrasp_cli.scene.clusters import find_clusters
 from flatgrasp_cli.scene.faint import without_faint
 from flatgrasp_cli.scene.heaps import Heap
 from flatgrasp_cli.scene.objects import objects_of, overlook
-from flatgrasp_cli.scene.selection import cropped, selected
+from flatgrasp_cli.scene.selection import chosen, cropped
 from flatgrasp_cli.scene.strays import TAIL_SHARE
 from flatgrasp_cli.scene.support_plane import NEAR_M, SAMPLE, find_support_plane, flatness_m
 
@@ -27,13 +27,18 @@ NOTHING_STANDS = "nothing stands on the support plane"
 
 
 def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
-    """The objects that `cloud` shows.
+    """The objects that `cloud` shows, those that are wanted.
 
     In mode `auto` a plane is a support plane if objects stand on it, with enough of it around them and little below it,
     or if it is too long for an object; else the whole cloud is one object.
     """
     cloud = cropped(cloud, settings.crop)
     sensor = cloud.sensor or Sensor("assumed", np.zeros(3))
+    return chosen(_shown(cloud, sensor, settings, seed), settings.select, sensor)
+
+
+def _shown(cloud: Cloud, sensor: Sensor, settings: SceneSettings, seed: int) -> Scene:
+    """The scene with all of its objects."""
     reason = _too_large(cloud)
     if reason is not None:
         return Scene(None, (), cloud.points, reason)
@@ -56,7 +61,7 @@ def segment(cloud: Cloud, settings: SceneSettings, seed: int) -> Scene:
     objects, wholes = objects_of(cloud, sensor, plane, clusters, settings)
     return Scene(
         support=plane,
-        objects=selected(objects, settings.select, sensor),
+        objects=objects,
         clutter=cloud.points.take(clusters.clutter, axis=0),
         reason=None if objects else NOTHING_STANDS,
         wholes=wholes,

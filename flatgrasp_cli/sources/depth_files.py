@@ -16,6 +16,7 @@ from flatgrasp_cli.model import Cloud, CloudWarning, ImageGrid, Sensor, Source
 from flatgrasp_cli.recordings.messages import MessageError
 from flatgrasp_cli.recordings.messages.depth_image import MILLIMETRE, DepthImage
 from flatgrasp_cli.recordings.messages.png import PNG_MAGIC, decode_png, png_size
+from flatgrasp_cli.recordings.messages.principal_point import camera_doubt
 from flatgrasp_cli.sources.depth_axes import in_body_axes
 from flatgrasp_cli.sources.depth_unit import unit_warning
 from flatgrasp_cli.sources.selection import Selection
@@ -24,13 +25,6 @@ from flatgrasp_cli.sources.tiff import MAGICS as TIFF_MAGICS
 from flatgrasp_cli.sources.tiff import decode_tiff, tiff_size
 
 NPY_MAGIC = b"\x93NUMPY"
-MOST_ASIDE = 0.25
-"""Of the image's sides: cameras have their principal point this near to the middle, cut-out images aside."""
-CAMERA_DOUBTED = CloudWarning(
-    "intrinsics_doubted",
-    "the principal point that --intrinsics states is far from the middle of the image, as if it were for another size; "
-    "--intrinsics FILE states the size, too",
-)
 MOST_PIXELS = 2**24
 """Sixteen million: no depth camera has more, and a point takes a hundred bytes on its way."""
 POINT_COLUMNS = (3, 4, 6)
@@ -98,12 +92,9 @@ class DepthFiles:
         return in_body_axes(cloud) if self._selection.depth_axes == "body" else cloud
 
     def _camera_doubt(self, shape: tuple[int, ...]) -> CloudWarning | None:
-        """A warning if the principal point is far from the middle of the image: another size has it there."""
         info = self._selection.intrinsics
-        if info is None:
-            return None
-        share = np.array([info.k[2] / shape[1], info.k[5] / shape[0]])
-        return CAMERA_DOUBTED if (np.abs(share - 0.5) > MOST_ASIDE).any() else None
+        doubt = None if info is None else camera_doubt(info, shape[1], shape[0])
+        return None if doubt is None else CloudWarning(doubt.code, doubt.text)
 
     def _rays_of(self, shape: tuple[int, ...]) -> FloatArray:
         info = self._selection.intrinsics

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, BinaryIO, Literal
 
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.model import Cloud, Source
+from flatgrasp_cli.sources.idle_options import idle_options
 from flatgrasp_cli.sources.pcd_header import is_pcd
 from flatgrasp_cli.sources.pcd_ply import read_pcd, read_ply, read_polygons
 from flatgrasp_cli.sources.ply_header import is_ply
@@ -46,7 +47,9 @@ def read_file(path: Path, name: str, scale: float = 1.0, selection: Selection = 
     SourceError
         If it is of no kind that is read, or broken.
     """
-    return read_kind(kind_of_file(path, name), path, name, scale, selection)
+    kind = kind_of_file(path, name)
+    cloud = read_kind(kind, path, name, scale, selection)
+    return cloud.warned(*idle_options(selection, recorded=False, images=kind == "depth image"))
 
 
 def read_kind(kind: Kind, path: Path, name: str, scale: float, selection: Selection) -> Cloud:

@@ -11,6 +11,7 @@ from flatgrasp_cli.model import Cloud, Source
 from flatgrasp_cli.recordings.containers import is_recording
 from flatgrasp_cli.sources.files import IMAGES
 from flatgrasp_cli.sources.files import SUFFIXES as CLOUDS
+from flatgrasp_cli.sources.idle_options import idle_options
 from flatgrasp_cli.sources.selection import Selection
 
 
@@ -64,8 +65,9 @@ def folder_images(folder: Path, name: str, scale: float, selection: Selection) -
         raise UsageError(f"{name}: images have no time; choose among them with --every N and --count N")
     images = [file for file in _files(folder) if file.suffix.lower() in IMAGES]
     reader = DepthFiles(selection, scale)
+    idle = idle_options(selection, recorded=False, images=True)
     for index, image in enumerate(images[:: selection.every.frames][: selection.count]):
-        yield reader.read(image, Source(f"{name.rstrip('/')}/{image.name}", index=index))
+        yield reader.read(image, Source(f"{name.rstrip('/')}/{image.name}", index=index)).warned(*idle)
 
 
 def _files(folder: Path) -> list[Path]:

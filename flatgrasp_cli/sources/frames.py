@@ -30,6 +30,7 @@ from flatgrasp_cli.recordings.messages import (
 )
 from flatgrasp_cli.sensor.frame_names import has_z_up, is_optical
 from flatgrasp_cli.sources.depth_unit import unit_warning
+from flatgrasp_cli.sources.idle_options import idle_options
 from flatgrasp_cli.sources.placement import Placement
 from flatgrasp_cli.sources.selection import NS, Every, Selection
 from flatgrasp_cli.sources.topics import choose_topic
@@ -66,8 +67,9 @@ def recorded_clouds(path: Path, name: str, scale: float, selection: Selection) -
 
             there = any(item.type in TRANSFORM_TYPES for item in recording.topics)
             placement = Placement(transforms, selection, has_transforms=there)
+            idle = idle_options(selection, recorded=True, images=topic.type not in CLOUD_TYPES)
             for _, cloud in usable_frames(recording, topic, (name, scale, placement), selection):
-                yield cloud
+                yield cloud.warned(*idle)
         finally:
             _warn(name, problems)
 

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import re
+import sys
+from contextlib import nullcontext
 from functools import cache
+from io import BufferedReader
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -36,13 +39,21 @@ Loops = Annotated[list[Loop], Field(min_length=1, max_length=MAX_LOOPS)]
 NESTED = re.compile(rb"\s*\[\s*\[\s*\[")
 
 
+BEGINS = re.compile(rb"(\xef\xbb\xbf)?\s*(\[|([-+.\deE]+|[xX])\s*[,;])")
+"""A list, or a line of CSV, be it the heading: no cloud and no mesh begins so."""
+STDIN = "-"
+
+
 def is_polygon(source: str) -> bool:
-    """Whether a path names a polygon and not a cloud, by its suffix."""
+    """Whether a source is a polygon and not a cloud: a file by its suffix, standard input by how it begins."""
+    if source == STDIN:
+        given = None if sys.stdin is None else sys.stdin.buffer
+        return isinstance(given, BufferedReader) and BEGINS.match(given.peek()) is not None
     return Path(source).suffix.lower() in SUFFIXES
 
 
 def read_polygon(source: str) -> tuple[FloatArray, ...]:
-    """Read loops (n_l, 2), the outline first and counter-clockwise, holes after it and clockwise.
+    """Read loops (n_l, 2), the outline first and counter-clockwise, holes after it and clockwise, of a file or "-".
 
     Raises
     ------
@@ -51,6 +62,7 @@ def read_polygon(source: str) -> tuple[FloatArray, ...]:
         or if it has too many corners, or coordinates too large or too small to reckon with.
     """
     content = _content(source)
+    source = "stdin" if source == STDIN else source
     try:
         is_json = source.lower().endswith(".json") or content.lstrip().startswith(b"[")
         values = _from_json(content) if is_json else [_from_csv(content.decode("utf-8"))]
@@ -70,7 +82,7 @@ def read_polygon(source: str) -> tuple[FloatArray, ...]:
 def _content(source: str) -> bytes:
     """The file's bytes, without a byte order mark."""
     try:
-        with Path(source).open("rb") as file:
+        with nullcontext(sys.stdin.buffer) if source == STDIN else Path(source).open("rb") as file:
             content = file.read(MAX_BYTES + 1)
     except OSError as error:
         raise SourceError(f"{source}: cannot be read: {error.strerror or error}") from error

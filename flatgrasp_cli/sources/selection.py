@@ -69,9 +69,13 @@ class Selection:
     depth_axes: DepthAxes | None = None
     """Whether the frame that depth images are stamped with is an optical one (x right, y down, z forward) or a body's
     (x forward, z up); None: as its name and the transforms tell."""
-    # not in words: a batch's manifest holds it by itself, and a batch begun before goes on only with the same words
+    # the last two are not in words: a batch begun before goes on only with the same words, and its manifest holds the
+    # pose by itself
     camera_pose: CameraPose | None = field(default=None, repr=False)
     """Of the clouds' own frame in `base_frame`; None: as a recording's transforms tell."""
+    typed: frozenset[str] = field(default=frozenset(), repr=False)
+    """Which of these were typed for just these sources, by their options' names: of one that is nothing to a source
+    there is a warning. Defaults from a file, and what a batch of all kinds of sources is given, are not meant so."""
 
     @property
     def needs_transforms(self) -> bool:

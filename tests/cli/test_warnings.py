@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from rosbags.rosbag1 import Writer
 
 from flatgrasp_cli.geometry.arrays import FloatArray
-from tests.conftest import Box, Camera, Run
+from tests.conftest import SAMPLES, Box, Camera, Run
 from tests.recordings.writing import CLOUD_TYPE, POINTS, ROS1, cloud_message, stamps
 
 UPSIDE = "the hand comes from above, as the frame's name or --up says"
@@ -90,3 +91,55 @@ def test_inspect_says_what_is_known_of_the_sensor(bag: Path, run: Run) -> None:
     text = run("inspect", bag).out
     assert "sensor: toward 0.00 0.00 1.00, only the way up is known" in text
     assert "warning:" in text
+
+
+CLOUD = SAMPLES / "juice_box.pcd"
+OF_A_RECORDING = ("--topic", "/x", "--start", "5", "--end", "6")
+OF_AN_IMAGE = ("--intrinsics", "525,525,319.5,239.5", "--depth-unit", "0.001", "--depth-axes", "optical")
+ELSEWHERE = "only a recording has topics and times"
+NO_IMAGE = "only depth images need a camera's intrinsics, unit and axes"
+
+
+def ignored(document: dict[str, Any]) -> list[str]:
+    """What a document says of options that changed nothing."""
+    return [each["text"] for each in document["warnings"] if each["code"] == "option_ignored"]
+
+
+def depth_image(path: Path) -> Path:
+    np.save(path, np.full((480, 640), 500, dtype=np.uint16))
+    return path
+
+
+def test_options_that_are_nothing_to_a_source_are_told(bag: Path, tmp_path: Path, run: Run) -> None:
+    nothing = "changed nothing: "
+    image = depth_image(tmp_path / "image.npy")
+    for source, options, said in (
+        (CLOUD, OF_A_RECORDING, [f"--topic, --start, --end {nothing}{ELSEWHERE}"]),
+        (CLOUD, ("--at", "5"), [f"--at {nothing}{ELSEWHERE}"]),
+        (CLOUD, OF_AN_IMAGE, [f"--intrinsics, --depth-unit, --depth-axes {nothing}{NO_IMAGE}"]),
+        (CLOUD, ("--count", "5", "--every", "2", "--strict"), []),  # hold of one cloud, too
+        (bag, OF_AN_IMAGE, [f"--intrinsics, --depth-unit, --depth-axes {nothing}{NO_IMAGE}"]),
+        (bag, ("--start", "0", "--topic", POINTS), []),
+        (image, (*OF_AN_IMAGE, "--topic", "/x"), [f"--topic {nothing}{ELSEWHERE}"]),
+        (image.parent, (*OF_AN_IMAGE, "--topic", "/x"), [f"--topic {nothing}{ELSEWHERE}"]),
+    ):
+        done = run("plan", source, "--json", "-g", "pr2", *options)
+        assert done.out, done.err
+        assert ignored(json.loads(done.out.splitlines()[0])) == said
+        assert done.err.count("changed nothing") == len(said)
+
+
+def test_defaults_and_options_of_a_batch_may_be_nothing_to_a_source(bag: Path, run: Run) -> None:
+    Path("defaults.yaml").write_text("topic: /points\nintrinsics: [525, 525, 319.5, 239.5]\n", encoding="utf-8")
+    assert ignored(json.loads(run("plan", CLOUD, "--json", "--config", "defaults.yaml").out)) == []
+    done = run("batch", bag, CLOUD, "--out", "results", "-j", "1", "-g", "pr2", "--topic", POINTS)
+    assert "changed nothing" not in done.err
+    for path in Path("results").glob("*.jsonl"):
+        assert [ignored(json.loads(line)) for line in path.read_text().splitlines()] in ([[]], [[]] * 3)
+
+
+def test_options_of_a_request_are_told_and_those_of_its_process_are_not(run: Run) -> None:
+    request = {"source": str(CLOUD), "options": {"start": 5}}
+    done = run("serve", "--topic", "/x", stdin=(json.dumps(request) + "\n").encode())
+    (answer,) = map(json.loads, done.out.splitlines())
+    assert ignored(answer["documents"][0]) == [f"--start changed nothing: {ELSEWHERE}"]

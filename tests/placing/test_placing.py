@@ -127,6 +127,13 @@ class TestSceneOptions:
         (item,) = document["objects"]
         assert item["obb"]["center"][0] == pytest.approx(x, abs=6 * MM)
 
+    def test_a_place_on_no_object_is_no_grasp_and_told(self, scene: Path, run: Run) -> None:
+        done = run(scene, "--camera-pose", pose_text(CAMERA), "--object", "360,-100")  # millimetres
+        assert (done.code, done.document["objects"]) == (1, [])
+        *_, reason, remedy = done.err.splitlines()
+        assert "no grasp: no object lies at 360, -100: the nearest, object " in reason
+        assert "--object X,Y is in metres" in remedy
+
     def test_crop_is_in_the_frame_of_the_answer(self, scene: Path, run: Run) -> None:
         document = run(scene, "--camera-pose", pose_text(CAMERA), "--crop", "0.1,0.46,-0.4,0.3,-0.1,0.3").document
         (item,) = document["objects"]

@@ -119,6 +119,16 @@ def test_a_best_grasp_that_is_not_enough_comes_with_a_warning(friction: float, d
     assert not doubtful or "the only side that was asked for (--approach any" in said["doubtful_grasp"]
 
 
+@pytest.mark.parametrize("prefer", ["gravity_distance", "cage"])
+def test_the_warning_does_not_depend_on_what_decides_which_grasp_is_best(prefer: str) -> None:
+    settings = load_settings(
+        "default", ("balance.friction=0.03", "approach.directions=top", f"ranking.prefer={prefer}")
+    )
+    found = plan(KINECT.sees(TABLE, LYING_CAN), load_gripper("pr2"), settings)
+    said = {warning.code: warning.text for warning in found.warnings}
+    assert f"for {prefer} decides which is best (--prefer success" in said["doubtful_grasp"]
+
+
 def test_a_direction_that_the_arm_cannot_serve_falls_out() -> None:
     """At the robot's own base no hand comes straight down; from aslant it gets there."""
     at_base, near = Box((0.02, 0.0, 0.02), (0.1, 0.04, 0.04)), Camera(target=(0.02, 0.0, 0.0))

@@ -236,3 +236,33 @@ class TestDerivedLengths:
             load_settings("default", ("uncertainty.outline_m=wide",))
         with pytest.raises(ProfileError, match=r"uncertainty\.density_kg_m3: .*the least density comes first"):
             load_settings("default", ("uncertainty.density_kg_m3=[500,200]",))
+
+
+class TestWords:
+    """Nothing of the library that judges profiles shows in what people read."""
+
+    @pytest.mark.parametrize(
+        ("override", "words"),
+        [
+            ("fingers=3", "fingers: 3: must be keys with values (step, step_m, "),
+            ("uncertainty=3", "uncertainty: 3: must be keys with values ("),
+            ("depth=4", "depth: 4: must be keys with values ("),
+            ("scene.crop=[0,1]", "scene.crop: (0, 1): needs 6 values"),
+            ("scene.crop=[0,1,0,1,0,1,5]", "takes 6 values at most"),
+            ("scene.select=[1]", "scene.select: (1,): must be 'all', 'nearest' or 'largest', or needs 2 values"),
+        ],
+    )
+    def test_of_a_wrong_override_one_line_says_what_is_wanted(self, override: str, words: str) -> None:
+        with pytest.raises(ProfileError) as caught:
+            load_settings("default", (override,))
+        assert words in str(caught.value)
+        assert "\n" not in str(caught.value)
+
+    def test_further_faults_of_overrides_are_in_no_file(self, tmp_path: Path) -> None:
+        with pytest.raises(ProfileError, match=r"\n\(and 1 more\)$"):
+            load_settings("default", ("fingers=3", "depth=4"))
+        path = tmp_path / "own.yaml"
+        path.write_text("profile: planner\nextends: default\nname: own\nfingers: 3\ndepth: 4\n", encoding="utf-8")
+        with pytest.raises(ProfileError) as caught:
+            load_settings(str(path))
+        assert str(caught.value).endswith(f"(and 1 more; `flatgrasp profiles check {path}` lists all)")

@@ -196,5 +196,13 @@ def test_stated_intrinsics_count_before_all_others_and_without_any() -> None:
     np.testing.assert_allclose(cameras.decode(IMAGE, image()).points, halved, rtol=1e-12)
 
 
+def test_stated_intrinsics_of_another_size_are_doubted_and_recorded_ones_are_not() -> None:
+    other = info(k=np.array([F, 0, 2 * WIDTH, 0, F, CY, 0, 0, 1]))
+    stated, recorded = DepthCameras(CameraInfo.from_message(other)), DepthCameras()
+    recorded.add_info(INFO, other)
+    for cameras, codes in ((stated, ["intrinsics_doubted"]), (recorded, [])):
+        assert [item.code for item in cameras.decode(IMAGE, image()).assumptions] == codes
+
+
 def test_equal_calibrations_are_one_key() -> None:
     assert hash(CameraInfo.from_message(info())) == hash(CameraInfo.from_message(info()))

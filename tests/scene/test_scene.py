@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -333,6 +334,26 @@ class TestWanted:
         scene = scene_of(ABOVE.sees(TABLE, self.LEFT, self.RIGHT), f"select={select}")
         assert middles(scene) == pytest.approx(np.array([where]), abs=5 * MM)
         assert len(the_object(scene).obstacles) > 100
+
+    @pytest.mark.parametrize(("away_m", "means_it"), [(0.06, True), (0.08, False), (3.0, False), (200.0, False)])
+    def test_a_place_farther_away_than_the_object_is_long_means_none(self, away_m: float, means_it: bool) -> None:
+        """The left box is 5 cm by 5 cm: 7 cm from corner to corner."""
+        place = -0.145 - away_m
+        scene = scene_of(ABOVE.sees(TABLE, self.LEFT, self.RIGHT), f"select=[{place},-0.05]")
+        assert len(scene.objects) == means_it
+        if not means_it:
+            assert scene.reason is not None
+            assert f"no object lies at {place:g}, -0.05: the nearest, object " in scene.reason
+            stated = re.search(r"around (\S+), (\S+), is (\S+) m away and (\S+) m long", scene.reason)
+            assert stated is not None
+            numbers = [float(number) for number in stated.groups()]
+            assert numbers == pytest.approx([-0.12, -0.05, away_m, 0.07], abs=4 * MM)
+            assert len(scene.clutter) > 500  # both boxes are still there to be seen in a picture
+
+    def test_a_place_far_from_the_only_object_means_none(self) -> None:
+        for place, count in (("[0.0,0.0]", 1), ("[1.0,0.0]", 0)):
+            scene = scene_of(ABOVE.sees(BLOCK), "mode=object", f"select={place}")
+            assert (len(scene.objects), scene.reason is None) == (count, count == 1)
 
     def test_nearest_goes_by_the_sensor_and_not_by_size(self) -> None:
         beside = Camera(target=(-0.15, 0.0, 0.0), distance=0.7)

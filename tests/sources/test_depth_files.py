@@ -103,9 +103,10 @@ def test_the_depth_unit_is_metres_in_a_count(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("image", "warned"), [(COUNTS * 10, True), (COUNTS, False)], ids=["0.1 mm", "mm"])
 def test_depth_that_cannot_be_in_millimetres_is_told(image: Image, warned: bool, tmp_path: Path) -> None:
     image = np.where(COUNTS == 60000, 0, image).astype(np.uint16)
-    cloud = read(tmp_path / "image", encoded(image, ".png"))
+    centred = parse_intrinsics("100,200,1.5,0.5")
+    cloud = read(tmp_path / "image", encoded(image, ".png"), intrinsics=centred)
     assert [item.code for item in cloud.warnings] == ["depth_unit_assumed"] * warned
-    assert read(tmp_path / "image", encoded(image, ".png"), depth_unit_m=0.001).warnings == ()
+    assert read(tmp_path / "image", encoded(image, ".png"), intrinsics=centred, depth_unit_m=0.001).warnings == ()
 
 
 def test_a_body_has_x_forward_and_z_up(tmp_path: Path) -> None:
@@ -344,8 +345,38 @@ def test_a_matrix_by_rows_is_told_by_its_zeros(matrix: str, tmp_path: Path) -> N
     assert parse_intrinsics(str(path)).k == (500, 0, 2, 0, 600, 1.5, 0, 0, 1)
 
 
-def test_a_principal_point_of_another_image_size_is_told(tmp_path: Path) -> None:
-    np.save(tmp_path / "small.npy", np.full((4, 5), 500, dtype=np.uint16))
-    for camera, codes in (("500,500,2,1.5", []), ("500,500,4.5,3.5", ["intrinsics_doubted"])):
-        (cloud,) = read_clouds(tmp_path / "small.npy", selection=Selection(intrinsics=parse_intrinsics(camera)))
-        assert [warning.code for warning in cloud.warnings] == codes
+@pytest.mark.parametrize(
+    ("camera", "size", "doubted"),
+    [
+        ("525,525,319.5,239.5", (640, 480), False),
+        ("525,525,351,216", (640, 480), False),  # no camera's is farther aside: 5 % of each side
+        ("525,525,239.5,239.5", (560, 480), False),  # without its first eighth
+        ("262,262,160,120", (640, 480), True),  # of half the size
+        ("262,262,176,132", (640, 480), True),  # and 5 % aside
+        ("1050,1050,640,480", (640, 480), True),
+        ("385,385,319.5,239.5", (848, 480), True),  # one of a RealSense's two usual sizes for the other
+    ],
+)
+def test_a_principal_point_of_another_image_size_is_told(
+    camera: str, size: tuple[int, int], doubted: bool, tmp_path: Path
+) -> None:
+    np.save(tmp_path / "image.npy", np.full(size[::-1], 500, dtype=np.uint16))
+    (cloud,) = read_clouds(tmp_path / "image.npy", selection=Selection(intrinsics=parse_intrinsics(camera)))
+    assert [warning.code for warning in cloud.warnings] == ["intrinsics_doubted"] * doubted
+
+
+@pytest.mark.parametrize(
+    ("more", "doubted"),
+    [
+        ("", True),
+        ("binning_x: 2, binning_y: 2", False),  # whose matrix is that of all pixels
+        ("roi: {x_offset: 100, width: 10, height: 8}", False),  # says itself why it does not look out of the middle
+    ],
+)
+def test_a_file_that_says_what_the_image_shows_is_not_doubted(more: str, doubted: bool, tmp_path: Path) -> None:
+    path = tmp_path / "camera.yaml"
+    size = "width: 20, height: 16" if "binning" in more else "width: 10, height: 8"
+    path.write_text(f"{{{size}, k: [500, 0, 9.5, 0, 500, 7.5, 0, 0, 1]{more and ', '}{more}}}")
+    np.save(tmp_path / "image.npy", np.full((8, 10), 500, dtype=np.uint16))
+    (cloud,) = read_clouds(tmp_path / "image.npy", selection=Selection(intrinsics=parse_intrinsics(str(path))))
+    assert [warning.code for warning in cloud.warnings] == ["intrinsics_doubted"] * doubted

@@ -1,4 +1,4 @@
-"""Polygons from files: what is none is refused in words, and none takes without end."""
+"""Polygons from files and standard input: what is none is refused in words, and none takes without end."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.profiles import PlannerSettings
 from flatgrasp_cli.proof.caging import immobilising_grasps
 from flatgrasp_cli.sources.polygon import MAX_CORNERS, read_polygon
+from tests.conftest import SAMPLES, Run
 
 NOTCHED = [[0, 0], [4, 0], [4, 4], [2, 1], [0, 4]]
 
@@ -106,6 +107,25 @@ def test_a_polygon_is_read_however_it_is_written(text: str, tmp_path: Path) -> N
     path.write_text(text, encoding="utf-8")
     (loop,) = read_polygon(str(path))
     assert loop.tolist() == NOTCHED
+
+
+@pytest.mark.parametrize(
+    "text", [json.dumps(NOTCHED), "x,y\n0,0\n4,0\n4,4\n2,1\n0,4\n", "\ufeff 0;0\n4;0\n4;4\n2;1\n0;4"]
+)
+def test_standard_input_may_be_a_polygon(text: str, run: Run) -> None:
+    done = run("cage", "-", "--json", stdin=text.encode())
+    document = json.loads(done.out)
+    assert (done.code, done.err, document["source"], document["object"]) == (0, "", "stdin", None)
+    assert document["grasps"][0]["width_m"] == pytest.approx(1.0, abs=1e-9)
+
+
+def test_standard_input_that_is_no_polygon_is_a_cloud_or_refused(run: Run) -> None:
+    done = run("cage", "-", "--json", stdin=(SAMPLES / "hammer.pcd").read_bytes())
+    assert json.loads(done.out)["object"] == 0
+    for content, words in ((b"[[0,0],[1,0]]", "flatgrasp: stdin: is no polygon: "), (b"", "the file is empty")):
+        done = run("cage", "-", stdin=content)
+        assert (done.code, done.out) == (3, "")
+        assert words in done.err
 
 
 @pytest.mark.parametrize("scale", [1e-8, 1.0, 1e8])

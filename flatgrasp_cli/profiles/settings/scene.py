@@ -19,7 +19,7 @@ class SceneSettings(Profile):
     """Region of interest: x_min, x_max, y_min, y_max, z_min, z_max in metres; what lies outside does not exist."""
     select: Literal["all", "nearest", "largest"] | tuple[FarPlace, FarPlace]
     """Which objects are planned: all, the one nearest to the sensor, the largest, or the one nearest to (x, y) in
-    metres."""
+    metres, none where that is farther away than the nearest is long."""
     up: tuple[Component, Component, Component] | None
     """Normal of the support plane, roughly, in the cloud's frame, a vector of any length; None: the biggest plane
     facing the sensor."""

@@ -12,8 +12,9 @@ import numpy as np
 
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.recordings.messages.camera_info import CameraInfo
-from flatgrasp_cli.recordings.messages.decoded import Decoded, MessageError, frame_name, reading, stamp_ns
+from flatgrasp_cli.recordings.messages.decoded import Assumption, Decoded, MessageError, frame_name, reading, stamp_ns
 from flatgrasp_cli.recordings.messages.depth_image import image_size, read_depth
+from flatgrasp_cli.recordings.messages.principal_point import camera_doubt
 
 TRANSPORTS = ("/compressedDepth", "/compressed")
 INFO_NAME = "camera_info"
@@ -133,8 +134,14 @@ class DepthCameras:
             stamp_ns=stamp,
             from_camera=True,
             assumed_unit_m=image.unit_m if unit_m is None else None,
-            assumptions=image.assumptions,
+            assumptions=(*image.assumptions, *self._doubts(width, height)),
         )
+
+    def _doubts(self, width: int, height: int) -> Iterator[Assumption]:
+        """Only of what somebody stated: a recorded CameraInfo is the camera's own, and says of which size it is."""
+        doubt = None if self.intrinsics is None else camera_doubt(self.intrinsics, width, height)
+        if doubt is not None:
+            yield doubt
 
     def _unit_m(self, message: Any) -> float | None:
         """Metres in one count, as somebody, the message, or the recording says; None if nobody does."""

@@ -7,7 +7,7 @@ import math
 from flatgrasp_cli.model import ObjectPlan, Rejection
 from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.results.remedies.words import up
-from flatgrasp_cli.scene import NO_PLANE, NOTHING_STANDS
+from flatgrasp_cli.scene import NO_OBJECT_AT, NO_PLANE, NOTHING_STANDS
 
 OTHER_VIEW = "look from another side; if the cloud is merged from several views: --sensor none"
 
@@ -20,6 +20,8 @@ def of_scene(plan: Plan) -> str | None:
         return (
             f"--scene object takes all for one object; {least} (--crop to the table), and --up X,Y,Z helps to find it"
         )
+    if scene.reason and scene.reason.startswith(NO_OBJECT_AT):
+        return "--object X,Y is in metres, in the frame of the answer; without it all are planned, each with its place"
     if scene.reason != NOTHING_STANDS or scene.support is None:
         return "choose a region with --crop; if the cloud is in millimetres: --scale 0.001" if scene.reason else None
     others = "if the plane is part of the object: --scene object; if it is the wrong one: --up X,Y,Z"
