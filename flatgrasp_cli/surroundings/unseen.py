@@ -28,12 +28,15 @@ def hidden_of(local: FloatArray, view: View, cell_m: float, behind_m: float) -> 
     By the `view`, in the same frame, they lie at least `behind_m` behind what rays met, and that is how far heights are
     in doubt.
     """
-    body = np.concatenate([_below_rim(local, cell_m), _behind_ridges(local, view, cell_m, behind_m)])
+    chart = HeightMap.around(local, cell_m, float(local[:, 2].max())).raised(local)
+    rim = _rim(local, cell_m)
+    behind = np.empty((0, 3)) if view.viewpoint is None else _behind_ridges(chart, rim, view, view.viewpoint, behind_m)
+    body = _columns(np.concatenate([rim, behind]), cell_m)
     return body[_hides(view, body, behind_m)]
 
 
-def _below_rim(local: FloatArray, cell_m: float) -> FloatArray:
-    """Points (k, 3) straight below the rim of what was seen, down to the plane."""
+def _rim(local: FloatArray, cell_m: float) -> FloatArray:
+    """The highest points (k, 3) in the outermost cells that were seen: straight below them the object was hidden."""
     chart = HeightMap.of(local, cell_m)
     seen = (chart.heights > UNSEEN).view(np.uint8)
     rim = (seen > 0) & (cv2.erode(seen, np.ones((3, 3), np.uint8)) == 0)
@@ -41,44 +44,55 @@ def _below_rim(local: FloatArray, cell_m: float) -> FloatArray:
     order = np.argsort(-local[:, 2], kind="stable")
     _, first = np.unique(cell[order], return_index=True)
     tops = local[order[first]]  # the highest point of each cell
-    return _columns(tops[rim.take(cell[order[first]])], cell_m)
+    return np.asarray(tops[rim.take(cell[order[first]])])
 
 
-def _behind_ridges(local: FloatArray, view: View, cell_m: float, doubt_m: float) -> FloatArray:
-    """Points (k, 3) of the sides behind ridges and peaks.
+def _behind_ridges(chart: HeightMap, rim: FloatArray, view: View, viewpoint: FloatArray, doubt_m: float) -> FloatArray:
+    """The highest points (n, 3) of the sides behind ridges and peaks, one in each cell where nothing was seen.
 
     Along each line of sight, seen from above, the hidden side is as high as the highest that was seen as far before its
     ridge, or farther.
     """
-    chart = HeightMap.around(local, cell_m, float(local[:, 2].max())).raised(local)
-    places = chart.raster.middles(*true_entries(chart.heights == UNSEEN))
-    places = places[_hides(view, np.column_stack([places, np.zeros(len(places))]), doubt_m)]
-    if view.viewpoint is None or len(places) == 0:
-        return np.empty((0, 3))
-    profiles, gaps = _toward_sensor(chart, places, view.viewpoint)
-    rises = _rises_to_ridge(profiles, cell_m)
-    places, profiles, gaps = places[rises], profiles[rises], gaps[rises]
+    profiles = _toward_sensor(chart, rim[:, :2], viewpoint, float(np.hypot(*np.ptp(rim[:, :2], axis=0))))
+    rises = _rises_to_ridge(profiles, chart.cell_m)
     crests = np.maximum.accumulate(profiles[:, ::-1], axis=1)[:, ::-1]  # the highest from there on, to the sensor
     ridge = (crests >= profiles[:, :1] - doubt_m).sum(axis=1) - 1
-    as_far = np.minimum(ridge + gaps, crests.shape[1] - 1)[:, None]
-    tops = np.column_stack([places, np.take_along_axis(crests, as_far, axis=1)])
-    tops = tops[tops[:, 2] > 0]
-    return _columns(tops[_is_broad(chart, tops[:, :2])], cell_m)
+
+    places = chart.raster.middles(*true_entries(chart.heights == UNSEEN))
+    places = places[_hides(view, np.column_stack([places, np.zeros(len(places))]), doubt_m)]
+    before, apart = _nearest_before(chart, rim, places, viewpoint)
+    behind = np.flatnonzero((before >= 0) & rises[before])
+    before, mirrored = before[behind], ridge[before[behind]] + apart[behind]
+    heights = crests[before, np.minimum(mirrored, crests.shape[1] - 1)]
+    tops = np.column_stack([places[behind], heights])[heights > 0]
+    return np.asarray(tops[_is_broad(chart, tops[:, :2])])
 
 
-def _toward_sensor(chart: HeightMap, places: FloatArray, viewpoint: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Heights (k, s), a cell apart, from the first that was seen on, on the way from `places` (k, 2) to the sensor.
+def _toward_sensor(chart: HeightMap, places: FloatArray, viewpoint: FloatArray, far_m: float) -> FloatArray:
+    """Heights (k, s), a cell apart, on the way from `places` (k, 2) to the sensor; 0 where nothing was seen."""
+    return np.maximum(chart.over(*_on_the_way(chart, places, viewpoint, far_m)), 0.0)
 
-    They are 0 where nothing was seen. How many cells (k,) before the first were not seen is the other answer.
-    """
+
+def _nearest_before(
+    chart: HeightMap, rim: FloatArray, places: FloatArray, viewpoint: FloatArray
+) -> tuple[IntArray, IntArray]:
+    """Which of the `rim` (m, 3) comes first on the way from `places` (k, 2) to the sensor, −1 for none; cells apart."""
+    which = np.full(chart.raster.shape, -1, dtype=np.intp)
+    which.reshape(-1)[chart.raster.cells(*rim[:, :2].T)] = np.arange(len(rim))
+    met = which.take(chart.raster.cells(*_on_the_way(chart, places, viewpoint, float(rim[:, 2].max()))))
+    apart = np.argmax(met >= 0, axis=1)
+    return met[np.arange(len(met)), apart], apart
+
+
+def _on_the_way(
+    chart: HeightMap, places: FloatArray, viewpoint: FloatArray, far_m: float
+) -> tuple[FloatArray, FloatArray]:
+    """X and y (k, s) of what lies on the way from `places` (k, 2) to below the sensor, a cell apart, so far."""
     way = viewpoint[:2] - places
     way /= np.maximum(np.linalg.norm(way, axis=1), chart.cell_m)[:, None]
-    steps = chart.cell_m * np.arange(np.hypot(*chart.raster.shape))
-    heights = chart.over(*(places[:, None, k] + steps * way[:, None, k] for k in (0, 1)))
-    gaps = np.argmax(heights > UNSEEN, axis=1)
-    behind = np.arange(len(steps)) + gaps[:, None]
-    profiles = np.take_along_axis(heights, np.minimum(behind, len(steps) - 1), axis=1)
-    return np.where(behind < len(steps), np.maximum(profiles, 0.0), 0.0), gaps
+    steps = chart.cell_m * np.arange(far_m / chart.cell_m + 2)
+    x, y = (places[:, None, k] + steps * way[:, None, k] for k in (0, 1))
+    return x, y
 
 
 def _rises_to_ridge(profiles: FloatArray, cell_m: float) -> BoolArray:
