@@ -28,16 +28,19 @@ def hidden_of(local: FloatArray, view: View, cell_m: float, behind_m: float) -> 
     By the `view`, in the same frame, they lie at least `behind_m` behind what rays met, and that is how far heights are
     in doubt.
     """
-    chart = HeightMap.around(local, cell_m, float(local[:, 2].max())).raised(local)
-    rim = _rim(local, cell_m)
-    behind = np.empty((0, 3)) if view.viewpoint is None else _behind_ridges(chart, rim, view, view.viewpoint, behind_m)
+    wide = HeightMap.around(local, cell_m, float(local[:, 2].max())).raised(local)
+    rim = _rim(HeightMap.of(local, cell_m), local)
+    behind = (
+        np.empty((0, 3))
+        if view.viewpoint is None
+        else _behind_ridges(wide, _rim(wide, local), view, view.viewpoint, behind_m)
+    )
     body = _columns(np.concatenate([rim, behind]), cell_m)
     return body[_hides(view, body, behind_m)]
 
 
-def _rim(local: FloatArray, cell_m: float) -> FloatArray:
+def _rim(chart: HeightMap, local: FloatArray) -> FloatArray:
     """The highest points (k, 3) in the outermost cells that were seen: straight below them the object was hidden."""
-    chart = HeightMap.of(local, cell_m)
     seen = (chart.heights > UNSEEN).view(np.uint8)
     rim = (seen > 0) & (cv2.erode(seen, np.ones((3, 3), np.uint8)) == 0)
     cell = chart.raster.cells(local[:, 0], local[:, 1])
