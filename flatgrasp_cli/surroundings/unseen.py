@@ -73,29 +73,29 @@ def _behind_ridges(chart: HeightMap, rim: FloatArray, view: View, viewpoint: Flo
 
 def _toward_sensor(chart: HeightMap, places: FloatArray, viewpoint: FloatArray, far_m: float) -> FloatArray:
     """Heights (k, s), a cell apart, on the way from `places` (k, 2) to the sensor; 0 where nothing was seen."""
-    return np.maximum(chart.over(*_on_the_way(chart, places, viewpoint, far_m)), 0.0)
+    steps, way = chart.cell_m * np.arange(far_m / chart.cell_m + 2), _ways(places, viewpoint)
+    heights = chart.over(*(places[:, None, k] + steps * way[:, None, k] for k in (0, 1)))
+    return np.maximum(heights, 0.0)
 
 
 def _nearest_before(
     chart: HeightMap, rim: FloatArray, places: FloatArray, viewpoint: FloatArray
 ) -> tuple[IntArray, IntArray]:
     """Which of the `rim` (m, 3) comes first on the way from `places` (k, 2) to the sensor, −1 for none; cells apart."""
-    which = np.full(chart.raster.shape, -1, dtype=np.intp)
-    which.reshape(-1)[chart.raster.cells(*rim[:, :2].T)] = np.arange(len(rim))
-    met = which.take(chart.raster.cells(*_on_the_way(chart, places, viewpoint, float(rim[:, 2].max()))))
-    apart = np.argmax(met >= 0, axis=1)
-    return met[np.arange(len(met)), apart], apart
+    raster, way, far_m = chart.raster, chart.cell_m * _ways(places, viewpoint), float(rim[:, 2].max())
+    which = np.full(raster.shape, -1, dtype=np.intp)
+    which.reshape(-1)[raster.cells(*rim[:, :2].T)] = np.arange(len(rim))
+    found, apart = np.full((2, len(places)), -1, dtype=np.intp)
+    for step in range(int(far_m / chart.cell_m) + 2):  # one after the other: all at once are many for a large object
+        on = np.flatnonzero(found < 0)
+        found[on], apart[on] = which.take(raster.cells(*(places[on] + step * way[on]).T)), step
+    return found, apart
 
 
-def _on_the_way(
-    chart: HeightMap, places: FloatArray, viewpoint: FloatArray, far_m: float
-) -> tuple[FloatArray, FloatArray]:
-    """X and y (k, s) of what lies on the way from `places` (k, 2) to below the sensor, a cell apart, so far."""
+def _ways(places: FloatArray, viewpoint: FloatArray) -> FloatArray:
+    """The unit vectors (k, 2) from `places` (k, 2) to below the sensor."""
     way = viewpoint[:2] - places
-    way /= np.maximum(np.linalg.norm(way, axis=1), chart.cell_m)[:, None]
-    steps = chart.cell_m * np.arange(far_m / chart.cell_m + 2)
-    x, y = (places[:, None, k] + steps * way[:, None, k] for k in (0, 1))
-    return x, y
+    return np.asarray(way / np.maximum(np.hypot(*way.T), np.finfo(np.float64).eps)[:, None])
 
 
 def _rises_to_ridge(profiles: FloatArray, cell_m: float) -> BoolArray:
