@@ -16,12 +16,8 @@ TAIL_SHARE = 0.01
 """Share of a cloud's points, at either end of each axis, that may lie outside of the bulk."""
 MANY = 3
 """So many points in a block of 3 × 3 × 3 cells are no strays: flying pixels come one by one or in pairs. And a place
-that a sample holds more often is a repeated one: in millimetre steps two points may coincide, hardly four."""
-
-
-COPIES_SAMPLE = 4
-"""Places by which a cloud is told that holds each of its points several times: all of them are there again. Where that
-is chance, leaving out copies does no harm."""
+that a sample holds more often is a repeated one: in millimetre steps two points may coincide, hardly four. So many
+places that are there again tell of a cloud that holds each of its points several times."""
 
 
 def without_far_strays(cloud: Cloud) -> Cloud:
@@ -78,9 +74,7 @@ def _is_copied(cloud: Cloud) -> bool:
     """Whether a cloud holds its points several times each; pixels of an image lie on different rays."""
     if cloud.pixels is not None or len(cloud.points) == 0:
         return False
-    alike = (
-        cloud.points.take(np.flatnonzero(cloud.points[:, 0] == x), axis=0) for x in cloud.sample(COPIES_SAMPLE)[:, 0]
-    )
+    alike = (cloud.points.take(np.flatnonzero(cloud.points[:, 0] == x), axis=0) for x in cloud.sample(MANY)[:, 0])
     return all(len(points) > len(np.unique(points, axis=0)) for points in alike)
 
 

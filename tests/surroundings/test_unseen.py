@@ -96,10 +96,11 @@ def test_what_ends_in_a_level_top_or_an_edge_goes_straight_down(thing: Solid) ->
     assert distance(thing, hidden(thing)).max() < 5 * MM
 
 
-def test_what_protrudes_is_mirrored_in_nothing() -> None:
-    """A rod that sticks out of a box, away from the sensor, 16 mm thick: nothing is behind its end."""
-    box, rod = Box((0.0, 0.0, 0.03), (0.1, 0.06, 0.06)), Tube((0.0, 0.045, 0.05), 0.008, 0.03, axis=(0.0, 1.0, 0.0))
-    assert hidden(box, rod)[:, 1].max() < 64 * MM
+@pytest.mark.parametrize(("thick_m", "mirrored"), [(0.017, False), (0.04, True)])
+def test_what_is_narrower_than_a_finger_is_mirrored_in_nothing(thick_m: float, mirrored: bool) -> None:
+    """A post or a wall 6 cm high, at the far edge of a plate 8 cm long: behind a wall the plate may go on."""
+    plate, post = Box((0.0, 0.0, 0.008), (0.08, 0.08, 0.016)), Box((0.0, 0.034, 0.03), (thick_m, 0.012, 0.06))
+    assert (hidden(plate, post)[:, 1].max() > 55 * MM) == mirrored
 
 
 def test_nothing_is_taken_to_be_where_rays_passed() -> None:
