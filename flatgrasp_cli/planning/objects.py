@@ -52,7 +52,8 @@ def answer_for(cloud: ObjectCloud, search: Search) -> Answer:
     first = search.whole(whole, slices) if asked in ("auto", "top", "any") else None
     if first and (asked == "top" or (asked == "auto" and search.is_enough(first))):
         return first
-    return _from_any_side(search, Tilted(cloud, cloud.floor, search.settings), box, first, search.volume_m3(whole))
+    most_m3 = first.shape.volume_m3 if first and first.shape else search.volume_m3(whole)
+    return _from_any_side(search, Tilted(cloud, cloud.floor, search.settings), box, first, most_m3)
 
 
 def _from_any_side(search: Search, tilted: Tilted, box: OrientedBox, found: Answer | None, most_m3: float) -> Answer:

@@ -57,8 +57,9 @@ class Search:
         return best if best.grasps is None or self.reach is None else replace(best, reaches=self.reach(best))
 
     def volume_m3(self, whole: Place) -> float:
-        """The object's volume, cubic metres, by what lies under its visible surface in one direction."""
-        return volume_m3(_silhouette(whole, self.settings))
+        """The object's volume, cubic metres, by what lies under its visible surface; infinite without a silhouette."""
+        silhouette = _silhouette(whole, self.settings)
+        return volume_m3(silhouette) if silhouette.loops else np.inf
 
     def is_enough(self, best: Answer) -> bool:
         """Whether it is not worth looking for anything better than the `best` answer from other directions."""

@@ -28,14 +28,11 @@ def hidden_of(local: FloatArray, view: View, cell_m: float, behind_m: float) -> 
     By the `view`, in the same frame, they lie at least `behind_m` behind what rays met, and that is how far heights are
     in doubt.
     """
-    wide = HeightMap.around(local, cell_m, float(local[:, 2].max())).raised(local)
-    rim = _rim(HeightMap.of(local, cell_m), local)
-    behind = (
-        np.empty((0, 3))
-        if view.viewpoint is None
-        else _behind_ridges(wide, _rim(wide, local), view, view.viewpoint, behind_m)
-    )
-    body = _columns(np.concatenate([rim, behind]), cell_m)
+    tops = [_rim(HeightMap.of(local, cell_m), local)]
+    if view.viewpoint is not None:
+        wide = HeightMap.around(local, cell_m, float(local[:, 2].max())).raised(local)
+        tops.append(_behind_ridges(wide, _rim(wide, local), view, view.viewpoint, behind_m))
+    body = _columns(np.concatenate(tops), cell_m)
     return body[_hides(view, body, behind_m)]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -28,6 +28,24 @@ LYING_CAN = Tube((0.0, 0.0, 0.033), 0.033, 0.12, (1.0, 0.0, 0.0))
 def planned(*solids: Solid, camera: Camera = CAMERA, robot: Robot | None = None, **asked: Any) -> Plan:
     overrides = tuple(f"approach.{key}={value}" for key, value in asked.items())
     return plan(camera.sees(TABLE, *solids), load_gripper("pr2"), load_settings("default", overrides), robot=robot)
+
+
+class Tried(NamedTuple):
+    direction: Direction
+    most_m3: float
+
+
+@pytest.fixture
+def tried_ways(monkeypatch: pytest.MonkeyPatch) -> list[Tried]:
+    """The directions that the search plans from, in their order, and the most that the object's volume can be."""
+    found, from_one = [], objects._from
+
+    def spied(search: Any, tilted: Any, direction: Direction, most_m3: float) -> Any:
+        found.append(Tried(direction, most_m3))
+        return from_one(search, tilted, direction, most_m3)
+
+    monkeypatch.setattr(objects, "_from", spied)
+    return found
 
 
 def free_m(found: Plan, *solids: Solid) -> float:
@@ -140,16 +158,9 @@ def test_a_direction_that_the_arm_cannot_serve_falls_out() -> None:
 
 @pytest.mark.parametrize(("x_m", "tried"), [(1.15, True), (1.6, False)])
 def test_directions_from_which_the_arm_is_too_short_are_not_tried(
-    x_m: float, tried: bool, monkeypatch: pytest.MonkeyPatch
+    x_m: float, tried: bool, tried_ways: list[Tried]
 ) -> None:
     """From straight above an UR5 reaches neither thing; from its own side it might reach the nearer one."""
-    ways, from_one = [], objects._from
-
-    def spied(search: Any, tilted: Any, direction: Direction, most_m3: float) -> Any:
-        ways.append(direction.toward)
-        return from_one(search, tilted, direction, most_m3)
-
-    monkeypatch.setattr(objects, "_from", spied)
     thing, camera = Box((x_m, 0.0, 0.02), (0.1, 0.04, 0.04)), Camera(target=(x_m, 0.0, 0.0))
     table = Box((x_m, 0.0, -0.01), (0.9, 0.7, 0.02))
     asked = ("approach.tilts_deg=[60]", "approach.around=4")
@@ -157,8 +168,8 @@ def test_directions_from_which_the_arm_is_too_short_are_not_tried(
         camera.sees(table, thing), load_gripper("pr2"), load_settings("default", asked), robot=load_robot("ur5")
     )
     assert str(found.reason).startswith("ur5 reaches none of the ")
-    assert bool(ways) == tried
-    assert all(toward[0] < 0.1 for toward in ways)  # never from beyond it
+    assert bool(tried_ways) == tried
+    assert all(each.direction.toward[0] < 0.1 for each in tried_ways)  # never from beyond it
 
 
 def test_the_document_says_which_way_the_hand_comes_and_why_not_straight_down() -> None:
@@ -179,19 +190,13 @@ TOO_LARGE = Box((0.0, 0.2, 0.1), (0.3, 0.15, 0.2))
 
 @pytest.mark.parametrize(("things", "between"), [([TOO_LARGE], True), ([TOO_LARGE, LYING_CAN], False)])
 def test_where_nothing_has_a_grasp_the_sides_between_those_are_tried(
-    things: list[Solid], between: bool, monkeypatch: pytest.MonkeyPatch
+    things: list[Solid], between: bool, tried_ways: list[Tried]
 ) -> None:
     """Of six sides at one tilt the first is along the thing's longer side; between are 30°, 90° and so on."""
-    tried, from_one = [], objects._from
-
-    def spied(search: Any, tilted: Any, direction: Direction, most_m3: float) -> Any:
-        tried.append(direction)
-        return from_one(search, tilted, direction, most_m3)
-
-    monkeypatch.setattr(objects, "_from", spied)
     found = planned(*things, tilts_deg="[40]", around=6)
     assert (found.best is None) == between
-    x, y, z = np.array([each.toward for each in tried if each.known_from == "tilt"]).T
+    ways = [each.direction for each in tried_ways]
+    x, y, z = np.array([each.toward for each in ways if each.known_from == "tilt"]).T
     turn = np.degrees(np.arctan2(y, x)) % 360
     aside = (np.abs(turn % 60 - 30) < 3) & (np.abs(z - np.cos(np.radians(40))) < 0.01)
     assert (len(np.unique(np.round(turn[aside], -1))) == 6) == between  # two of them lie beside the nearest miss
@@ -206,21 +211,15 @@ def test_without_a_grasp_the_nearest_miss_of_all_directions_is_named() -> None:
 
 
 def test_from_a_direction_that_is_stated_a_thing_is_no_heavier_than_where_all_are_tried(
-    monkeypatch: pytest.MonkeyPatch,
+    tried_ways: list[Tried],
 ) -> None:
     """From aslant it has more below what was seen than from straight above, where it is all there."""
-    known, from_one = [], objects._from
-
-    def spied(search: Any, tilted: Any, direction: Direction, most_m3: float) -> Any:
-        known.append(most_m3)
-        return from_one(search, tilted, direction, most_m3)
-
-    monkeypatch.setattr(objects, "_from", spied)
     planned(LYING_CAN, directions="any", tilts_deg="[60]", around=1)
-    among_all = set(known)
-    known.clear()
+    among_all = {each.most_m3 for each in tried_ways}
+    tried_ways.clear()
     planned(LYING_CAN, directions="[0.0, -0.87, -0.5]")
-    assert set(known) == among_all
+    known = {each.most_m3 for each in tried_ways}
+    assert known == among_all
     assert max(known) < 0.066 * 0.12 * 0.066
 
 
