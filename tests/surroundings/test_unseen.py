@@ -82,6 +82,15 @@ def test_a_side_behind_a_ridge_or_a_peak_is_the_mirror_image_of_that_before_it(t
         assert amid[:, 2].max() > thing.height_over(np.array([[0.0, y, 0.0]]))[0] - 12 * MM
 
 
+def test_a_hidden_side_reaches_into_its_corners() -> None:
+    """That of a pyramid is a triangle, and whole also where it is narrower than a finger."""
+    thing = Peak(4, 0.6, 0.08)
+    behind, foot = hidden(thing), thing.lean * thing.height_m
+    for y in np.arange(12 * MM, foot - 8 * MM, 4 * MM):
+        across = behind[(np.abs(behind[:, 1] - y) < 2.5 * MM) & (np.abs(behind[:, 0]) < y), 0]
+        assert np.diff(np.sort(across), prepend=-y, append=y).max() < 8 * MM
+
+
 @pytest.mark.parametrize(
     "thing",
     [
