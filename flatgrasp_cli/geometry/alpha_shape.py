@@ -23,6 +23,8 @@ CELLS_PER_ALPHA = np.sqrt(2)
 """A disc of radius α, wherever it lies, holds a whole cell of side α/√2: the one around its centre."""
 PIXELS_PER_ALPHA, MAX_PIXELS = 6.0, 60_000
 """Resolution of the distance transform. A point that the disc would touch on less than a pixel's way may be missed."""
+MARGIN = 1.1
+"""A disc rolls around the points within so many times α of them."""
 FILLINGS = 3
 
 
@@ -58,7 +60,11 @@ def alpha_region(points: FloatArray, alpha_m: float) -> Any:
     """The α-shape of `points` (n, 2), as a shapely polygon with holes: its largest piece, None without area."""
     import shapely
 
-    rings, outer = _rolled_around(points, alpha_m)
+    pixel_m = _pixel_m(points, alpha_m)
+    if _deepest_m(points, alpha_m) < pixel_m:
+        hull = shapely.convex_hull(shapely.MultiPoint(points))
+        return hull if hull.geom_type == "Polygon" else None
+    rings, outer = _rolled_around(points, alpha_m, pixel_m)
     largest = max(range(len(rings)), key=lambda k: abs(signed_area(rings[k])) if outer[k] < 0 else -1.0)
     holes = [
         _filled(_turning(ring, -1.0), alpha_m) for ring, shell in zip(rings, outer, strict=True) if shell == largest
@@ -88,11 +94,25 @@ def _repaired(ring: FloatArray) -> Any:
     return found if found.is_valid else shapely.make_valid(found)
 
 
-def _rolled_around(points: FloatArray, alpha_m: float) -> tuple[list[FloatArray], list[int]]:
+def _pixel_m(points: FloatArray, alpha_m: float) -> float:
+    """Side of the pixels by which a disc rolls around `points` (n, 2), metres."""
+    low, high = bounds_of(points)
+    size = high - low
+    by_memory = np.sqrt(np.prod(size + 2 * MARGIN * alpha_m) / MAX_PIXELS)
+    return max(min(alpha_m, float(np.hypot(*size))) / PIXELS_PER_ALPHA, float(by_memory))
+
+
+def _deepest_m(points: FloatArray, alpha_m: float) -> float:
+    """How deep, at most, a disc sinks in between two of the `points` (n, 2), metres."""
+    low, high = bounds_of(points)
+    half = 0.5 * float(np.hypot(*(high - low)))
+    return alpha_m if half >= alpha_m else alpha_m - float(np.sqrt(alpha_m**2 - half**2))
+
+
+def _rolled_around(points: FloatArray, alpha_m: float, pixel: float) -> tuple[list[FloatArray], list[int]]:
     """The points (k, 2) that a disc touches, ring by ring and in order; and each hole's outer ring, −1 for those."""
     low, high = bounds_of(points)
-    low, high = low - 1.1 * alpha_m, high + 1.1 * alpha_m
-    pixel = max(alpha_m / PIXELS_PER_ALPHA, float(np.sqrt(np.prod(high - low) / MAX_PIXELS)))
+    low, high = low - MARGIN * alpha_m, high + MARGIN * alpha_m
     width, height = ((high - low) / pixel + 3).astype(np.intp).tolist()
     empty = np.ones((height, width), dtype=np.uint8)
     place = marked(points, low, pixel, empty)

@@ -34,7 +34,7 @@ def silhouette_of(
     is left out.
     """
     projected, heights = np.ascontiguousarray(points[:, :2]), points[:, 2]
-    alpha_m = settings.alpha_m or max(MIN_ALPHA_M, 2 * (spacing_m or spacing(projected)))
+    alpha_m = least_alpha_m(projected, settings, spacing_m)
     alpha_m, member = _one_piece(projected, alpha_m, settings.min_coverage)
     region = alpha_region(projected if member.all() else projected[member], alpha_m)
     loops = _loops(region, settings) if region is not None else ()
@@ -42,6 +42,17 @@ def silhouette_of(
     return Silhouette(
         frame=frame, loops=loops, points=projected, heights=heights, alpha_m=alpha_m, coverage=float(member.mean())
     )
+
+
+def least_alpha_m(projected: FloatArray, settings: SilhouetteSettings, spacing_m: float | None = None) -> float:
+    """The radius α of points (n, 2) without gaps, metres: as the settings have it, or by how far apart they lie."""
+    return settings.alpha_m or max(MIN_ALPHA_M, 2 * (spacing_m or spacing(projected)))
+
+
+def largest_share(projected: FloatArray, settings: SilhouetteSettings) -> float:
+    """Share of points (n, 2) that belong to their largest piece; gaps that missing pixels leave part no pieces."""
+    _, share = CellGrid(projected, max(STRAY_M, least_alpha_m(projected, settings))).largest_piece()
+    return share
 
 
 def without_strays(points: FloatArray, settings: SilhouetteSettings) -> FloatArray:

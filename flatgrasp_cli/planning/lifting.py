@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -34,6 +35,9 @@ from flatgrasp_cli.surroundings import tilt_deg
 
 SAME_WAY = 1e-5
 """Unit vectors that differ by less are the same: rounding makes them differ by less still."""
+LISTED = 10
+"""How many grasps of an object are listed as a rule. What is found out of grasps last decides the order among so many
+at a time: then the first are the same, however many are asked for."""
 REACH_CANDIDATES = 500
 """The best grasps of an object that a robot is asked about: a third of a second."""
 
@@ -42,7 +46,7 @@ def plan_object(
     cloud: ObjectCloud,
     gripper: Gripper,
     settings: PlannerSettings,
-    top: int = 10,
+    top: int = LISTED,
     robot: Robot | None = None,
     *,
     between: bool = False,
@@ -74,7 +78,8 @@ def plan_object(
         rows = rows[: len(reaches)]
         item = _with_reach(item, robot, reaches)
     served = [k for k in rows if reaches[k].ok] if reaches else rows
-    listed = differing(answer.grasps, served, settings.variety, top)
+    whole_lists = LISTED * math.ceil(top / LISTED)
+    listed = differing(answer.grasps, served, settings.variety, whole_lists)
     refused = differing(answer.grasps, [k for k in rows if not reaches[k].ok] if reaches else [], settings.variety, top)
     chosen = [*listed, *refused]
     final = proved(finished(answer.of(chosen), gripper, settings), gripper, settings)
@@ -86,7 +91,7 @@ def plan_object(
         found.record(n, rank=rank, reached=reaches[chosen[n]] if reaches else None)
         for n, rank in zip(order, ranks, strict=True)
     ]
-    return replace(item, grasps=tuple(grasps[: len(listed)]), refused=tuple(grasps[len(listed) :]))
+    return replace(item, grasps=tuple(grasps[: len(listed)][:top]), refused=tuple(grasps[len(listed) :]))
 
 
 def _search(cloud: ObjectCloud, gripper: Gripper, settings: PlannerSettings, robot: Robot | None) -> Search:
@@ -122,8 +127,11 @@ def _order(final: Answer, count: int, settings: PlannerSettings) -> list[int]:
     grasps = final.grasps
     if grasps is None or len(grasps.probability) == 0 or settings.ranking.prefer != "success":
         return list(range(count))
-    listed = grasps.first(count)
-    return [int(k) for k in by_probability(listed.probability, listed.gravity_distance)]
+    order: list[int] = []
+    for begin in range(0, count, LISTED):
+        some = slice(begin, min(begin + LISTED, count))
+        order += (begin + by_probability(grasps.probability[some], grasps.gravity_distance[some])).tolist()
+    return order
 
 
 def _success(grasps: GraspCandidates, k: int) -> Success | None:

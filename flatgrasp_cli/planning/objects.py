@@ -10,11 +10,13 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import ObjectCloud, OrientedBox, Rejection, Stage, Trace
 from flatgrasp_cli.planner.main_plane import oriented_box
+from flatgrasp_cli.planner.silhouette import STRAY_M, largest_share
 from flatgrasp_cli.planning.answers import Answer
 from flatgrasp_cli.planning.search import Search
-from flatgrasp_cli.profiles.settings import PlannerSettings
+from flatgrasp_cli.profiles.settings import PlannerSettings, SilhouetteSettings
 from flatgrasp_cli.surroundings import (
     Direction,
+    Place,
     Tilted,
     asked_of,
     beside,
@@ -43,7 +45,7 @@ def answer_for(cloud: ObjectCloud, search: Search) -> Answer:
     if hanging := hanging_m(whole):
         reason = f"it hangs {1e3 * hanging:.0f} mm up in the air: only free space was seen below it"
         return _nothing(Rejection("support", reason))
-    if refused := not_allowed(cloud, search.settings.approach):
+    if refused := not_allowed(cloud, search.settings.approach) or _in_pieces(whole, search.settings.silhouette):
         return _nothing(refused)
     if cloud.support is None or cloud.floor is None:
         stated = _stated(cloud, search.settings) if cloud.support is None else None
@@ -129,6 +131,20 @@ def _stated(cloud: ObjectCloud, settings: PlannerSettings) -> Direction | None:
     if toward is not None:
         return Direction(toward, "view" if asked == "view" else "given")
     return Direction(np.asarray(up) / np.linalg.norm(up), "top") if asked == "top" and up is not None else None
+
+
+def _in_pieces(whole: Place, settings: SilhouetteSettings) -> Rejection | None:
+    """Why points that lie apart in the main plane are no object alone: its outline would be one of air."""
+    if whole.surroundings.level_m is not None:
+        return None
+    share, least = largest_share(np.ascontiguousarray(whole.points[:, :2]), settings), settings.min_coverage
+    if share >= least:
+        return None
+    reason = (
+        f"the points lie in pieces farther than {1e3 * STRAY_M:.0f} mm apart: the largest has {100 * share:.0f} % of "
+        f"them, an object alone {100 * least:.0f} %"
+    )
+    return Rejection("silhouette", reason, share, least)
 
 
 def _nothing(rejection: Rejection) -> Answer:

@@ -12,7 +12,8 @@ import numpy as np
 
 from flatgrasp_cli.geometry.spacing import spacing
 from flatgrasp_cli.model import Cloud, CloudWarning, Grasp, ObjectPlan, Scene, SupportPlane
-from flatgrasp_cli.planning.lifting import plan_object
+from flatgrasp_cli.planner.silhouette import least_alpha_m
+from flatgrasp_cli.planning.lifting import LISTED, plan_object
 from flatgrasp_cli.profiles import Gripper, PlannerSettings, Robot, load_settings
 from flatgrasp_cli.ranking import by_probability
 from flatgrasp_cli.scene import segment, without_far_strays, without_repeats
@@ -55,6 +56,7 @@ class Plan:
                     *self.scene.warnings,
                     *_approach_ignored(self.scene, self.settings),
                     *_sparse(self.objects, self.settings),
+                    *_gaps_bridged(self.objects, self.settings),
                     *_doubtful(self.best, self.scene, self.settings),
                 )
             )
@@ -76,7 +78,7 @@ def plan(
     gripper: Gripper,
     settings: PlannerSettings | None = None,
     *,
-    top: int = 10,
+    top: int = LISTED,
     robot: Robot | None = None,
 ) -> Plan:
     """Plan grasps on a cloud that shows one object alone, or objects on a support plane.
@@ -178,6 +180,19 @@ def _sparse(objects: Sequence[ObjectPlan], settings: PlannerSettings) -> tuple[C
         "probabilities do not count that; a nearer or denser cloud tells, and a larger uncertainty.position_m counts it"
     )
     return (CloudWarning("sparse_cloud", text),)
+
+
+def _gaps_bridged(objects: Sequence[ObjectPlan], settings: PlannerSettings) -> tuple[CloudWarning, ...]:
+    """The warning that the outline of an object alone is, in part, one of gaps between its points."""
+    alone = [item.silhouette for item in objects if item.object.support is None and item.silhouette is not None]
+    if not any(each.alpha_m > least_alpha_m(each.points, settings.silhouette) for each in alone):
+        return ()
+    text = (
+        "an object alone has gaps between its points, which its outline bridges as if nothing were missing but a few "
+        "pixels; if they are gaps between things: --crop to one of them, or leave the plane that they stand on in the "
+        "cloud"
+    )
+    return (CloudWarning("gaps_bridged", text),)
 
 
 def _spacing_m(item: ObjectPlan) -> float:

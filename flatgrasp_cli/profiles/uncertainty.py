@@ -69,7 +69,7 @@ class UncertaintySettings(HandUncertainty):
     occupied_share: Spread | None = None
     """The share of places that no ray of the sensor reached in which something stands."""
     force_n: Annotated[float, Field(ge=0.01, le=1e5)] | None = None
-    """With what force the fingers press if the gripper's profile has no `max_force_n`, newtons."""
+    """With what force the fingers press, newtons; None: with the `max_force_n` of the gripper's profile."""
     samples: Annotated[int, Field(ge=1, le=4096)] | None = None
     """The number of times that each grasp which may win is tried in thought."""
 

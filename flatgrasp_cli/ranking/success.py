@@ -92,12 +92,12 @@ class Situation:
         depends on friction alone, or on what was not seen, is a chance in each sample; all else is 0 or 1 there.
         """
         errors, unsure = self.errors, self.unsure
-        force_n, grip_m = self.gripper.max_force_n or unsure.force_n, self._grip_m(grasps)
+        grip_m = self._grip_m(grasps)
         where = np.concatenate([grasps.center, grasps.axis], axis=1)
         wanted = np.column_stack([where, 0.5 * grasps.opening])
         hands = OpenHands(kernels.moved(wanted, errors.misses), grasps.tip[:, None] + errors.height)
         grips = np.column_stack([where, grasps.tip, np.full(len(grasps), self.gripper.finger_width_m), grip_m])
-        to_lift = friction_to_lift(self._load, hands.where, grips, force_n, self.settings.depth.lift_m)
+        to_lift = friction_to_lift(self._load, hands.where, grips, unsure.force_n, self.settings.depth.lift_m)
         met = np.empty((10, *inside.shape))
         met[:4] = closed(self.shape.silhouette.loops, hands, self.gripper, self.settings.hand.contact_tolerance_m)
         met[4:6] = self.surroundings.stopped(hands, self.gripper)

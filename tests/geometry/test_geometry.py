@@ -167,6 +167,14 @@ def test_alpha_region_survives_rings_that_touch() -> None:
     assert region.area == pytest.approx(47.2e-6, rel=0.01)
 
 
+@pytest.mark.parametrize("alpha", [1.5, 4.0, 30.0, 1e4])
+def test_alpha_region_of_a_large_disc_is_nearly_the_convex_hull(alpha: float) -> None:
+    """Of points that are 2 apart at most; a disc of radius 1.5 sinks in by 0.38 between those, but few are so far."""
+    points = star(0)
+    region, hull = alpha_region(points, alpha), shapely.MultiPoint(points).convex_hull
+    assert region.hausdorff_distance(hull) <= alpha - np.sqrt(alpha**2 - 1)
+
+
 def test_alpha_region_keeps_a_real_hole_and_fills_a_gap() -> None:
     x, y = np.meshgrid(np.arange(-30.0, 31), np.arange(-30.0, 31))
     points = np.column_stack([x.ravel(), y.ravel()])

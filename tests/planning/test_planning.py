@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from typing import Any
 
@@ -366,6 +367,46 @@ def test_strays_of_an_object_alone_are_no_points_of_it(pr2: Gripper) -> None:
         cloud_of(np.concatenate([plate, speck])), pr2, load_settings("default", ("scene.mode=object",))
     ).objects
     assert len(item.object.points) == len(plate)
+
+
+def test_fewer_grasps_are_the_first_of_more() -> None:
+    """What the last steps find out of a grasp, as that it is in a cage, changes the order of those beside it alone."""
+    (cloud,) = read_clouds(str(SAMPLES / "table_scene.pcd"))
+    hand = load_gripper("pr2")
+    all_of_them = [item.grasps for item in plan(cloud, hand, top=20).objects]
+    for top in (1, 3, 10, 13):
+        for item, more in zip(plan(cloud, hand, top=top).objects, all_of_them, strict=True):
+            assert [grasp.fingers for grasp in item.grasps] == [grasp.fingers for grasp in more[:top]]
+
+
+def two_tops(gap_m: float) -> Cloud:
+    """Two boxes' tops side by side, 12 × 5 cm each, of a cloud without the table they stand on."""
+    x, y = np.meshgrid(np.arange(-0.12, 0.12, 0.002) + 0.001, np.arange(-0.025, 0.025, 0.002))
+    x = x + 0.5 * gap_m * np.sign(x)
+    return Cloud(np.column_stack([x.ravel(), y.ravel(), np.full(x.size, 0.7)]), np.zeros(3), Source("tops"))
+
+
+@pytest.mark.parametrize("gap_m", [0.03, 0.06, 0.4])
+def test_no_hand_closes_on_the_air_between_things(gap_m: float, pr2: Gripper) -> None:
+    found = plan(two_tops(gap_m), pr2)
+    assert found.best is None
+    (item,) = found.objects
+    assert item.rejection is not None
+    assert (item.rejection.stage, item.rejection.value) == ("silhouette", 0.5)
+    remedy = remedy_of(found, item)
+    assert remedy is not None
+    least = re.search(r"--set (silhouette.min_coverage=\S+)", remedy)
+    assert least is not None
+    (one,) = plan(two_tops(gap_m), pr2, load_settings("default", (least[1],))).objects
+    assert one.grasps
+    assert abs(one.grasps[0].position[0]) == pytest.approx(0.5 * gap_m + 0.06, abs=30 * MM)
+
+
+@pytest.mark.parametrize(("gap_m", "told"), [(0.0, False), (0.012, True)])
+def test_gaps_that_an_outline_bridges_are_told(gap_m: float, told: bool, pr2: Gripper) -> None:
+    found = plan(two_tops(gap_m), pr2)
+    assert found.best is not None
+    assert any(warning.code == "gaps_bridged" for warning in found.warnings) == told
 
 
 @pytest.mark.parametrize(("apart_m", "told"), [(0.004, False), (0.012, True)])

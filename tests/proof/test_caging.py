@@ -177,6 +177,16 @@ def test_grasps_turn_mirror_and_scale_with_the_outline(
     assert spectrum(moved, closing, 1e-4 * scale) == pytest.approx(scale * spectrum(loop, closing, 1e-4), rel=1e-6)
 
 
+@pytest.mark.parametrize("closing", ["inward", "outward"])
+@given(seeds, st.floats(0.1, 0.9))
+@hypothesis_settings(max_examples=20)
+def test_a_corner_on_a_straight_edge_changes_nothing(closing: str, seed: int, share: float) -> None:
+    """It lies there but for rounding, and what rounding makes is no basin of its own."""
+    loop = star(seed)
+    edges = np.stack([loop, loop + share * (np.roll(loop, -1, axis=0) - loop)], axis=1)
+    assert spectrum(edges.reshape(-1, 2), closing, 0.0) == pytest.approx(spectrum(loop, closing, 0.0), rel=1e-6)
+
+
 def test_contacts_lie_on_the_outline_and_all_grasps_are_found() -> None:
     grasps = immobilising_grasps([CM * two_notch_bar(3.0)], caging_settings())
     assert len(grasps) == 2

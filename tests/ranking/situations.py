@@ -72,7 +72,7 @@ def situation(
     region: shapely.Polygon, settings: PlannerSettings, around: Any = None, hand: Gripper = HAND
 ) -> Situation:
     """What grasps of a plate are carried out on."""
-    return Situation(shape_of(region), around or Around(), hand, settings)
+    return Situation(shape_of(region), around or Around(), hand, settings.resolve(hand))
 
 
 def grasp(width_mm: float, opening_mm: float, **columns: Any) -> GraspCandidates:

@@ -87,6 +87,8 @@ class TestByHand:
         found = chance(situation(BAR, unsure("density_kg_m3=[200,24000]"), hand=weak), grasp(40, 60))
         heaviest = 2 * 0.5 * 10 / (1.5 * 9.80665) / (80 * 40 * 30 * MM**3)
         assert found == pytest.approx((heaviest - 200) / 23800, abs=0.01)
+        stated = unsure("density_kg_m3=[200,24000]", "force_n=10")  # comes before what the hand's profile says
+        assert chance(situation(BAR, stated), grasp(40, 60)) == found
 
     @pytest.mark.parametrize(
         ("fall", "mass_kg", "held"),

@@ -81,5 +81,6 @@ class PlannerSettings(Profile):
             arm = normalised * gripper.max_opening_m
             torque_max = {"friction": friction, "normalised": normalised, "arm": arm}[balance.torque]
         resolved = {"friction": friction, "force_balance_max_deg": min(gamma, 180.0), "torque_max": torque_max}
-        uncertainty = self.uncertainty.resolved(gripper.uncertainty, robot.uncertainty if robot else None)
+        force = UncertaintySettings(force_n=gripper.max_force_n)
+        uncertainty = self.uncertainty.resolved(force, gripper.uncertainty, robot.uncertainty if robot else None)
         return self.model_copy(update={"balance": balance.model_copy(update=resolved), "uncertainty": uncertainty})

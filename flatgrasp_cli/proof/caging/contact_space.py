@@ -84,7 +84,7 @@ def squeezing(boundary: Boundary, told_apart: float) -> Caging:
     vertex, edge = true_entries((distance <= floor + tolerance) & (floor > tolerance))
     minima = Contacts(vertex, edge, where[vertex, edge])
     tunnels = _closing_tunnels(boundary, minima, distance[vertex, edge], of_side)
-    levels = merge_levels(found.lowest, [found.links, ends, tunnels], told_apart)
+    levels = merge_levels(found.lowest, [found.links, ends, tunnels], max(told_apart, tolerance))
     return Caging(boundary=boundary, land=land, basins=found, levels=levels, minima=minima, stretching=False)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from flatgrasp_cli.geometry.arrays import IntArray, true_entries
 from flatgrasp_cli.geometry.polygon import distance_to_segment
 from flatgrasp_cli.proof.caging.boundary import Boundary
-from flatgrasp_cli.proof.caging.contact_space import Caging, Contacts
+from flatgrasp_cli.proof.caging.contact_space import SAME, Caging, Contacts
 from flatgrasp_cli.proof.caging.merge_tree import ESCAPE, Landscape, Links, basins, merge_levels
 
 
@@ -27,7 +27,7 @@ def stretching(boundary: Boundary, told_apart: float) -> Caging:
     found = basins(land)
     first, second = true_entries((birth <= found.lowest[found.of_node]) & (birth < 0))  # both orders: each finger moves
     tunnels = _opening_tunnels(boundary, first, second, found.of_node)
-    levels = merge_levels(found.lowest, [found.links, tunnels], told_apart)
+    levels = merge_levels(found.lowest, [found.links, tunnels], max(told_apart, SAME * boundary.size))
     return Caging(
         boundary=boundary,
         land=land,

@@ -15,6 +15,7 @@ OF_STAGE: dict[str, Callable[[Plan, ObjectPlan, Rejection], str | None]] = {
     "main_plane": scene.no_points,
     "support": scene.hanging,
     "approach": scene.other_direction,
+    "silhouette": scene.one_piece,
     "immobilising": balance.not_immobilised,
     "finger_candidates": hand.narrow_fingers,
     "pairs": hand.narrow_fingers,

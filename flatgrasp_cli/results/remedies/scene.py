@@ -6,7 +6,7 @@ import math
 
 from flatgrasp_cli.model import ObjectPlan, Rejection
 from flatgrasp_cli.planning import Plan
-from flatgrasp_cli.results.remedies.words import up
+from flatgrasp_cli.results.remedies.words import down, up
 from flatgrasp_cli.scene import NO_OBJECT_AT, NO_PLANE, NOTHING_STANDS
 
 OTHER_VIEW = "look from another side; if the cloud is merged from several views: --sensor none"
@@ -47,6 +47,16 @@ def no_points(plan: Plan, item: ObjectPlan, _rejection: Rejection) -> str | None
 def hanging(_plan: Plan, _item: ObjectPlan, _rejection: Rejection) -> str:
     """Where only free space was seen below a small thing."""
     return "a stereo camera sees such things where nothing is; if it is real: --sensor none"
+
+
+def one_piece(_plan: Plan, _item: ObjectPlan, rejection: Rejection) -> str | None:
+    """Where an object alone is in pieces: they may be several things."""
+    if rejection.value is None:
+        return None
+    return (
+        "if they are several things: --crop to one of them, or leave the plane that they stand on in the cloud; "
+        f"if the largest is meant: --set silhouette.min_coverage={down(rejection.value)}"
+    )
 
 
 def other_view(_plan: Plan, _item: ObjectPlan, _rejection: Rejection) -> str:
