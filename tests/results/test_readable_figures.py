@@ -103,7 +103,7 @@ PLANS: dict[str, Callable[[], Plan]] = {
     "long names": named_at_length,
 }
 STAGES_AS_ELSEWHERE = {"ten objects", "long names"}
-"""Stages show the first object alone and no names: these plans' are once more those of a bar, as of the robot's plan."""
+"""Stages show the first object alone, and no names: these plans' are those of a bar, which the robot's plan has."""
 
 
 def figures_of(result: Plan, *, stages: bool) -> Iterator[tuple[str, Figure]]:
