@@ -230,7 +230,7 @@ def blank_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Pictures of nothing, for tests that look at which files are written and not at what is drawn."""
     from flatgrasp_cli.results.figures.style import new_figure
 
-    for figure in ("final_figure", "comparison.comparison_figure", "cage.cage_figure"):
+    for figure in ("final_figure", "stages._numbered", "comparison.comparison_figure", "cage.cage_figure"):
         monkeypatch.setattr(f"flatgrasp_cli.results.figures.{figure}", lambda *_, **__: new_figure(2, 1))
 
 

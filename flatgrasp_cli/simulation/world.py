@@ -166,8 +166,8 @@ class World:
             return set()
         contacts = self.data.contact
         kinds = self.model.geom_group[contacts.geom[contacts.dist < 0.0]]
-        robot = kinds.max(axis=1, initial=0) >= Kind.FINGER
-        return {Touch(Kind(int(max(pair))), Kind(int(min(pair)))) for pair in kinds[robot]}
+        pairs = {(max(pair), min(pair)) for pair in kinds.tolist()}  # in plain numbers: this is asked at every step
+        return {Touch(Kind(part), Kind(what)) for part, what in pairs if part >= Kind.FINGER}
 
     def palm(self) -> tuple[FloatArray, Rotation]:
         """Where the palm's end is, and how it is turned."""

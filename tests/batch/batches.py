@@ -19,7 +19,7 @@ from tests.recordings.writing import CLOUD_TYPE, POINTS, ROS2, START_NS
 from tests.sources.recordings import cloud_message
 
 PERIOD_NS = 100_000_000
-LONG = 4 * FRAMES
+LONG = 3 * FRAMES
 FAST = ("--gripper", "pr2", "--scene", "object", "--top", "1")
 COMMAND = [sys.executable, "-m", "flatgrasp_cli", "batch"]
 

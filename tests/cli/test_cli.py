@@ -35,6 +35,7 @@ def test_files_go_to_the_current_folder(plate: Path, run: Run) -> None:
     assert [path.name for path in Path().iterdir()] == ["plate.grasps.json"]
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_plots_of_every_stage(run: Run) -> None:
     """Of a slice of an object on a table, which has more of them than an object alone."""
     assert run("plan", SAMPLES / "pan_on_table.pcd", "--plots", "stages").code == 0

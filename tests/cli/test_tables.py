@@ -79,8 +79,8 @@ def test_long_names_of_topics_are_broken_in_80_columns(tmp_path: Path, run: Run)
 
 def test_a_grasp_is_one_line_of_what_the_document_says(run: Run) -> None:
     aloof = "hand.clearance_m=0.025"
-    done = run("plan", SCENE, "--plots", "none", "--gripper", "pr2", "--set", aloof)
-    settings = load_settings("default", (aloof,))
+    done = run("plan", SCENE, "--plots", "none", "--gripper", "pr2", "--approach", "top", "--set", aloof)
+    settings = load_settings("default", ("approach.directions=top", aloof))
     (result,) = [plan(cloud, load_gripper("pr2"), settings) for cloud in read_clouds(SCENE)]
     first, item, grasp = done.out.splitlines(), result.objects[0], result.objects[0].grasps[0]
     assert first[0] == f"{SCENE} · pr2: two fingers on an arc" or first[0] == str(SCENE)

@@ -117,15 +117,15 @@ def test_the_spacing_is_that_of_the_six_nearest_neighbours() -> None:
 def plain_palm(
     hands: FloatArray, openings: FloatArray, chart: HeightMap, least_m: float, gripper: Gripper
 ) -> FloatArray:
-    """The highest cell under each hand at each of its openings, one by one and cell by cell."""
+    """The highest cell under each hand at each of its openings, one by one, of all cells."""
     highest, center, axis = np.full(openings.shape, UNSEEN), hands[:, :2], hands[:, 2:4]
+    cells = np.array(chart.higher_than(least_m)).reshape(-1, 3)
     for (m, k), opening in np.ndenumerate(openings):
         breadth = max(gripper.palm_m, opening + 2 * gripper.root_m)
         half = 0.5 * (np.array([gripper.hand_width_m, breadth]) + chart.cell_m)
-        for x, y, height in chart.higher_than(least_m):
-            away = np.array([x, y]) - center[k]
-            if abs(away @ [-axis[k][1], axis[k][0]]) <= half[0] and abs(away @ axis[k]) <= half[1]:
-                highest[m, k] = max(highest[m, k], height)
+        away = cells[:, :2] - center[k]
+        under = (np.abs(away @ [-axis[k][1], axis[k][0]]) <= half[0]) & (np.abs(away @ axis[k]) <= half[1])
+        highest[m, k] = cells[under, 2].max(initial=UNSEEN)
     return highest
 
 

@@ -88,8 +88,9 @@ def seen() -> Cloud:
 
 
 @pytest.fixture(scope="module")
-def two() -> Cloud:
-    return CAMERA.sees(BESIDE, SMALL, WIDE)
+def of_two(pr2: Gripper) -> Plan:
+    """Of something that the hand holds, and something that is too wide for it."""
+    return plan(CAMERA.sees(BESIDE, SMALL, WIDE), pr2)
 
 
 @pytest.fixture(scope="module")
@@ -103,14 +104,13 @@ def reached(seen: Cloud, ur5: Robot, pr2: Gripper) -> Plan:
 
 
 class TestPlan:
-    def test_objects_come_by_their_best_grasp_and_those_without_last(self, two: Cloud, pr2: Gripper) -> None:
-        result = plan(two, pr2)
-        small, wide = result.objects
+    def test_objects_come_by_their_best_grasp_and_those_without_last(self, of_two: Plan) -> None:
+        small, wide = of_two.objects
         assert (len(wide.object.points) > len(small.object.points), wide.object.id) == (True, 0)
         assert small.grasps
         assert wide.grasps == ()
-        assert result.best is small.grasps[0]
-        assert result.reason is None
+        assert of_two.best is small.grasps[0]
+        assert of_two.reason is None
 
     def test_what_most_probably_holds_orders_the_objects(self, pr2: Gripper) -> None:
         result = plan(
@@ -121,7 +121,7 @@ class TestPlan:
         assert result.objects[0].grasps[0].position[0] < 0
 
     def test_without_any_grasp_it_says_why(self, pr2: Gripper) -> None:
-        result = plan(CAMERA.sees(BESIDE, WIDE), pr2)
+        result = plan(CAMERA.sees(BESIDE, WIDE), pr2, load_settings("default", ("approach.around=2",)))
         assert result.best is None
         assert result.reason is not None
         assert "narrowest graspable width" in result.reason
@@ -132,10 +132,10 @@ class TestPlan:
         document = checked(result)
         assert (document["status"], document["reason"], document["objects"]) == ("no_grasp", result.reason, [])
 
-    def test_the_same_cloud_gives_the_same_bytes(self, two: Cloud, pr2: Gripper) -> None:
+    def test_the_same_cloud_gives_the_same_bytes(self, of_two: Plan, pr2: Gripper) -> None:
         texts = []
-        for _ in range(2):
-            document = to_document(plan(two, pr2))
+        for result in (of_two, plan(of_two.cloud, pr2)):
+            document = to_document(result)
             document.pop("timing_ms")
             texts.append(to_json(document))
         assert texts[0] == texts[1]
@@ -314,8 +314,8 @@ class TestDocument:
         lift = np.array(grasp["lift"]["position"]) - grasp["pose"]["position"]
         assert lift == pytest.approx([0, 0, DEPTH.lift_m], abs=2 * MM)
 
-    def test_a_wide_object_says_by_how_much(self, two: Cloud, pr2: Gripper) -> None:
-        document = checked(plan(two, pr2))
+    def test_a_wide_object_says_by_how_much(self, of_two: Plan) -> None:
+        document = checked(of_two)
         assert document["status"] == "ok"
         wide = document["objects"][1]
         assert (wide["status"], wide["grasps"], wide["refused"]) == ("no_grasp", [], [])
@@ -324,15 +324,14 @@ class TestDocument:
         assert f"{miss['value']:.3f} m" in wide["reason"]
 
 
-def test_the_table_lists_every_object_and_why_it_has_no_grasp(pr2: Gripper) -> None:
-    result = plan(CAMERA.sees(BESIDE, SMALL, WIDE), pr2)
-    rejected = next(item for item in result.objects if item.rejection)
-    assert headline(result).splitlines() == ["test · pr2: two fingers on an arc", "2 objects on a support plane"]
-    assert grasp_table(result).row_count == len(result.objects[0].grasps[:ROWS])
+def test_the_table_lists_every_object_and_why_it_has_no_grasp(of_two: Plan) -> None:
+    rejected = next(item for item in of_two.objects if item.rejection)
+    assert headline(of_two).splitlines() == ["test · pr2: two fingers on an arc", "2 objects on a support plane"]
+    assert grasp_table(of_two).row_count == len(of_two.objects[0].grasps[:ROWS])
     assert rejected.rejection is not None
-    said, remedy = refusals(result).splitlines()
+    said, remedy = refusals(of_two).splitlines()
     assert said == f"object {rejected.object.id}: no grasp: {rejected.rejection.reason}"
-    assert remedy == f"  remedy: {remedy_of(result, rejected)}"
+    assert remedy == f"  remedy: {remedy_of(of_two, rejected)}"
 
 
 class Nothing:

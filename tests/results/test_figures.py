@@ -140,7 +140,7 @@ def test_the_caption_says_where_how_wide_and_why(pr2: Gripper) -> None:
 
 
 def test_an_object_without_a_grasp_is_marked_and_the_caption_says_why(pr2: Gripper) -> None:
-    figure = final(planned(pr2, WIDE))
+    figure = final(planned(pr2, WIDE, settings=("approach.around=2",)))
     assert "0: no grasp" in texts(figure.axes[0])
     assert caption(figure)["No grasp"].startswith("narrowest graspable width")
     assert any(name == "the last pairs, refused by: grasping range" for name in legend(figure))
@@ -148,7 +148,7 @@ def test_an_object_without_a_grasp_is_marked_and_the_caption_says_why(pr2: Gripp
 
 def test_why_another_object_has_no_grasp_is_said(pr2: Gripper) -> None:
     wide = Box((0.55, 0.1, 0.03), (0.15, 0.15, 0.06))
-    rows = caption(final(planned(pr2, SMALL, wide)))
+    rows = caption(final(planned(pr2, SMALL, wide, settings=("approach.around=2",))))
     assert "Where" in rows
     assert rows["No grasp"].startswith("object 1: ") or rows["No grasp"].startswith("object 0: ")
 

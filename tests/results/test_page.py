@@ -338,6 +338,7 @@ def test_view_opens_a_browser_only_where_somebody_sees_it(run: Run, monkeypatch:
         assert len(opened) == 1
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_a_batchs_report_links_to_pages(run: Run) -> None:
     assert run("batch", SAMPLES / "pan_ros2", "-o", "out", "-j", "1", "-g", "pr2", "--plots", "-q").code == 0
     report = Parsed(Path("out/report.html").read_text(encoding="utf-8"))

@@ -44,11 +44,11 @@ def documents(trials: Sequence[Trial], where: Cell) -> list[dict[str, Any]]:
 @pytest.mark.parametrize("robot", [None, "ur5e"])
 def test_a_juice_box_is_held(robot: str | None) -> None:
     where = cell(robot=robot)
-    trials = list(trials_of(where, sample_thing("juice_box"), 3))
-    assert [(trial.status, trial.reason) for trial in trials] == [("held", None)] * 3
+    trials = list(trials_of(where, sample_thing("juice_box"), 2))
+    assert [(trial.status, trial.reason) for trial in trials] == [("held", None)] * 2
     assert all(trial.execution is not None and trial.execution.clean for trial in trials)
     places = np.array([trial.place.position[:2] for trial in trials])
-    assert len(np.unique(places.round(4), axis=0)) == 3  # each trial has its own
+    assert len(np.unique(places.round(4), axis=0)) == 2  # each trial has its own
     assert np.abs(places - where.spot[:2]).max() < 0.06
     for document in documents(trials, where):
         assert document["grasp"]["metrics"]["required_friction"] >= 0
@@ -83,7 +83,7 @@ def test_slippery_pads_lose_it_and_a_hand_that_misses_far_collides() -> None:
     slippery = cell(friction=0.02)
     assert [trial.status for trial in trials_of(slippery, sample_thing("juice_box"), 2)] == ["lost", "lost"]
     blind = cell(miss_m=0.04)
-    assert {trial.status for trial in trials_of(blind, sample_thing("juice_box"), 4)} >= {"collision"}
+    assert {trial.status for trial in trials_of(blind, sample_thing("juice_box"), 2)} >= {"collision"}
 
 
 def test_a_heap_is_cleared_grasp_by_grasp() -> None:

@@ -124,5 +124,6 @@ def test_nothing_is_taken_to_be_where_rays_passed() -> None:
 def test_no_hand_closes_on_sides_that_are_too_slanted_of_which_one_was_not_seen() -> None:
     """They lean by 31° each, and friction of 0.5 holds 27°."""
     camera = Camera(tilt_deg=45)
-    found = plan(camera.sees(TABLE, Peak(2, 0.6, 0.07)), load_gripper("pr2"))  # type: ignore[arg-type]
+    settings = load_settings("default", ("approach.around=4",))
+    found = plan(camera.sees(TABLE, Peak(2, 0.6, 0.07)), load_gripper("pr2"), settings)  # type: ignore[arg-type]
     assert found.best is None

@@ -6,6 +6,7 @@ Panels have a fixed size, so that it is known while drawing where there is room 
 from __future__ import annotations
 
 import re
+from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -189,7 +190,7 @@ def _parts(word: str, most: float, width: Callable[[str], float]) -> list[str]:
     parts = [word]
     while len(parts[-1]) > 1 and width(parts[-1]) > most:
         rest = parts[-1]
-        cut = max(k for k in range(1, len(rest)) if k == 1 or width(rest[:k]) <= most)
+        cut = bisect_right(range(2, len(rest)), most, key=lambda k: width(rest[:k])) + 1
         parts[-1:] = [rest[:cut], rest[cut:]]
     return parts
 
