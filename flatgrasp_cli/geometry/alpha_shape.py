@@ -49,7 +49,9 @@ class CellGrid:
 
     def largest_piece(self) -> tuple[BoolArray, float]:
         """The connected cells with the most points, as a mask over the points (n,), and their share of the points."""
-        _, labels = cv2.connectedComponents(self.occupied.view(np.uint8), connectivity=8)
+        count, labels = cv2.connectedComponents(self.occupied.view(np.uint8), connectivity=8)
+        if count == 2:  # the empty cells, and one piece: as a rule
+            return np.ones(len(self.cell), dtype=np.bool_), 1.0
         piece = labels.ravel()[self.cell]
         counts = np.bincount(piece)
         member = piece == np.argmax(counts)

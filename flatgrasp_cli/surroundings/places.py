@@ -135,7 +135,7 @@ def above(whole: Place, around: OnSupport, piece: Slice) -> Place:
     """A slice of an object, the `whole` of which has these surroundings: the rest of it may be in the way."""
     apart = np.ones(len(whole.points), dtype=np.bool_)
     apart[piece.rows] = False
-    own, others = whole.points.take(piece.rows, axis=0), whole.points[apart]
+    own, others = (whole.points.take(rows, axis=0) for rows in (piece.rows, np.flatnonzero(apart)))
     surface, rest = around.maps.highest.averaged(own), around.maps.rest.raised(others)
     maps = replace(around.maps, surface=surface, rest=rest)
     return Place(

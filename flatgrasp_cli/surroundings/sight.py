@@ -47,9 +47,10 @@ def seen_sides(
     """
     bound = unseen_beyond(fingers, envelope, level_m)
     holes = np.flatnonzero((bound == 0) & (fingers.loop > 0))
-    into = fingers.select(holes)
-    rim = _profile(into, maps, _places(maps.surface)[:1])[0]
-    bound[holes] = unseen_beyond(into, envelope, np.fmax(rim - grip_m, level_m))
+    if len(holes) > 0:
+        into = fingers.select(holes)
+        rim = _profile(into, maps, _places(maps.surface)[:1])[0]
+        bound[holes] = unseen_beyond(into, envelope, np.fmax(rim - grip_m, level_m))
     open_sides = (bound == 0) | (fingers.loop == 0)
     fingers, bound = fingers.select(open_sides), bound[open_sides]
     return replace(fingers, hidden=hidden_extent(fingers, maps, bound, viewpoint))
