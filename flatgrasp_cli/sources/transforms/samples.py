@@ -15,30 +15,46 @@ NEARLY_PARALLEL = 0.9995
 """Cosine of half the angle between two rotations above which their arc is as good as straight."""
 LARGEST_M = 1e9
 """No two frames on Earth, or near it, are so far apart."""
+ROUNDING = 1e-6
+"""Metres or radians between two poses that are the same: what 32 bits are short of at 10 m."""
 UNIT_TOLERANCE = 1e-3
 """A quaternion whose length is 1 within this is only rounded."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sample:
-    """A child's pose in its parent: `translation` (3,), unit `quaternion` [x, y, z, w]."""
+    """A child's pose in its parent, and when it holds and was logged.
+
+    `translation` is (3,), the unit `quaternion` [x, y, z, w].
+    """
 
     stamp_ns: int
     parent: str
     translation: FloatArray
     quaternion: FloatArray
+    logged_ns: int = 0
+
+    @property
+    def lateness_ns(self) -> int:
+        """How long after its time it was logged."""
+        return self.logged_ns - self.stamp_ns
+
+    def logged(self, logged_ns: int) -> Sample:
+        """The same, with when it was logged."""
+        return replace(self, logged_ns=logged_ns)
 
     def sent(self, stamp_ns: int) -> Sample:
         """The same, stamped with when it was sent."""
         return replace(self, stamp_ns=stamp_ns)
 
     def same_as(self, other: Sample) -> bool:
-        """Whether it is the same pose in the same parent, at whatever time."""
-        return (
-            self.parent == other.parent
-            and np.array_equal(self.translation, other.translation)
-            and np.array_equal(self.quaternion, other.quaternion)
-        )
+        """Whether it is the same pose in the same parent but for rounding, at whatever time."""
+        return self.parent == other.parent and self.apart(other) <= ROUNDING
+
+    def apart(self, other: Sample) -> float:
+        """How far two poses in one parent are apart: metres and radians, summed."""
+        turned = min(np.linalg.norm(self.quaternion - sign * other.quaternion) for sign in (1.0, -1.0))
+        return float(np.linalg.norm(self.translation - other.translation) + 2.0 * turned)
 
 
 @dataclass(frozen=True, slots=True)
