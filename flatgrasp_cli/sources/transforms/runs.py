@@ -12,10 +12,15 @@ from dataclasses import dataclass, field
 from itertools import product
 
 from flatgrasp_cli.sources.transforms.samples import Sample, between
+from flatgrasp_cli.sources.transforms.turns import two_by_turns
 
 TOLERANCE_NS = 100_000_000
 """A transform counts as still (or already) true for so long after (before) its only neighbour in time; and stamps that
 go back by less are out of order: no other run begins, and none goes on beside another."""
+
+TURNS_AMONG = 15
+"""Samples before a time, and after it, in which two publishers that take turns are looked for; one may
+send ten times as often as the other."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,12 +74,17 @@ class Run:
         """The pose at a time, between two samples or within the tolerance of one; and those that contradict it."""
         samples = self.samples
         after = bisect_left(samples, stamp_ns, key=stamp_of)
-        if 0 < after < len(samples) and samples[after].stamp_ns != stamp_ns:
-            # whichever publisher was the first at each of the two stamps
-            pairs = product(self._of(samples[after - 1]), self._of(samples[after]))
-            return [between(first, second, stamp_ns) for first, second in pairs]
         held = samples[min(after, len(samples) - 1)]
-        return self._of(held) if abs(held.stamp_ns - stamp_ns) <= tolerance_ns else []
+        if 0 < after < len(samples) and held.stamp_ns != stamp_ns:
+            # whichever publisher was the first at each of the two stamps
+            pairs = product(self._of(samples[after - 1]), self._of(held))
+            poses = [between(first, second, stamp_ns) for first, second in pairs]
+        elif abs(held.stamp_ns - stamp_ns) <= tolerance_ns:
+            poses = self._of(held)
+        else:
+            return []
+        near = samples[max(0, after - TURNS_AMONG) : after + TURNS_AMONG]
+        return [*poses, *(two_by_turns(near) or ())]
 
     def _of(self, sample: Sample) -> list[Sample]:
         rival = self.rivals.get(sample.stamp_ns)

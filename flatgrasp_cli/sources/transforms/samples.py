@@ -53,8 +53,7 @@ class Sample:
 
     def apart(self, other: Sample) -> float:
         """How far two poses in one parent are apart: metres and radians, summed."""
-        turned = min(np.linalg.norm(self.quaternion - sign * other.quaternion) for sign in (1.0, -1.0))
-        return float(np.linalg.norm(self.translation - other.translation) + 2.0 * turned)
+        return float(apart(self.translation, self.quaternion, other.translation, other.quaternion))
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,6 +103,19 @@ def _read(transform: Any) -> Read:
     length = float(np.abs(quaternion @ unit))
     fault = "its quaternion is not of length 1" if abs(length - 1.0) > UNIT_TOLERANCE else ""
     return Read(parent, child, Sample(stamp_ns(stamp) or 0, parent, translation, unit), fault)
+
+
+def apart(
+    translation: FloatArray, quaternion: FloatArray, other_translation: FloatArray, other_quaternion: FloatArray
+) -> FloatArray:
+    """How far poses are apart, (…): metres and radians, summed, from translations (…, 3) and quaternions (…, 4)."""
+    # q and −q are the same rotation; of small angles the length between unit quaternions is the half
+    turned = np.minimum(_length(quaternion - other_quaternion), _length(quaternion + other_quaternion))
+    return _length(translation - other_translation) + 2.0 * turned
+
+
+def _length(vectors: FloatArray) -> FloatArray:
+    return np.asarray(np.sqrt((vectors * vectors).sum(axis=-1)))
 
 
 def between(before: Sample, after: Sample, stamp_ns: int) -> Sample:
