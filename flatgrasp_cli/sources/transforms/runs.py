@@ -8,6 +8,7 @@ by side.
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import product
 
@@ -18,9 +19,10 @@ TOLERANCE_NS = 100_000_000
 """A transform counts as still (or already) true for so long after (before) its only neighbour in time; and stamps that
 go back by less are out of order: no other run begins, and none goes on beside another."""
 
-TURNS_AMONG = 15
-"""Samples before a time, and after it, in which two publishers that take turns are looked for; one may
-send ten times as often as the other."""
+NEAR = 15
+"""Samples before a time, and after it, in which two publishers are looked for; one may send ten times as often."""
+LONGEST_WAY = 1.5
+"""A sample is on the way between two others, sensors' noise included, if that makes it longer by at most so much."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +49,7 @@ class Run:
     ended_ns: int
     back_ns: int
     rivals: dict[int, Sample] = field(default_factory=dict)
-    """By stamp: of the further samples with the stamp of one of `samples` the least like that."""
+    """By stamp: of further samples with the stamp of one of `samples` the one that is the least like that."""
 
     def add(self, sample: Sample) -> None:
         """Take a sample. As in tf2 the first of a stamp counts; of the others one is kept that contradicts it."""
@@ -75,20 +77,35 @@ class Run:
         samples = self.samples
         after = bisect_left(samples, stamp_ns, key=stamp_of)
         held = samples[min(after, len(samples) - 1)]
+        near = range(max(0, after - NEAR), min(after + NEAR, len(samples)))
+        rivals = self.rivals if self._has_two(near) else {}
         if 0 < after < len(samples) and held.stamp_ns != stamp_ns:
             # whichever publisher was the first at each of the two stamps
-            pairs = product(self._of(samples[after - 1]), self._of(held))
+            pairs = product(_with_rival(samples[after - 1], rivals), _with_rival(held, rivals))
             poses = [between(first, second, stamp_ns) for first, second in pairs]
         elif abs(held.stamp_ns - stamp_ns) <= tolerance_ns:
-            poses = self._of(held)
+            poses = _with_rival(held, rivals)
         else:
             return []
-        near = samples[max(0, after - TURNS_AMONG) : after + TURNS_AMONG]
-        return [*poses, *(two_by_turns(near) or ())]
+        return [*poses, *(two_by_turns(samples[near.start : near.stop]) or ())]
 
-    def _of(self, sample: Sample) -> list[Sample]:
-        rival = self.rivals.get(sample.stamp_ns)
-        return [sample] if rival is None else [sample, rival]
+    def _has_two(self, near: range) -> bool:
+        """Whether samples that share a stamp are of two publishers, going by most of those at some places.
+
+        Where a simulator's clock ticks slowly, one publisher stamps several samples of its way with one time.
+        """
+        shared = [place for place in near if self.samples[place].stamp_ns in self.rivals]
+        return 2 * sum(self._goes_back(place) for place in shared) > len(shared)
+
+    def _goes_back(self, place: int) -> bool:
+        """Whether the rival of a sample is not on the way to those of the next stamp."""
+        sample, rival = _with_rival(self.samples[place], self.rivals)
+        if place + 1 == len(self.samples):  # only those before it tell
+            return place == 0 or self.samples[place - 1].stamp_ns not in self.rivals or self._goes_back(place - 1)
+        return any(
+            sample.apart(rival) + rival.apart(after) > LONGEST_WAY * sample.apart(after)
+            for after in _with_rival(self.samples[place + 1], self.rivals)
+        )
 
     def lateness_ns(self, stamp_ns: int) -> int:
         """How late the sample was that is the nearest to a time."""
@@ -102,6 +119,11 @@ class Run:
     def is_beside(self, other: Run) -> bool:
         """Whether both went on at the same time, as those of two publishers do."""
         return min(self.ended_ns, other.ended_ns) - max(self.begun_ns, other.begun_ns) > TOLERANCE_NS
+
+
+def _with_rival(sample: Sample, rivals: Mapping[int, Sample]) -> list[Sample]:
+    rival = rivals.get(sample.stamp_ns)
+    return [sample] if rival is None else [sample, rival]
 
 
 def add_to(runs: list[Run], sample: Sample) -> None:
