@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, BinaryIO, Literal
 
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.model import Cloud, Source
+from flatgrasp_cli.recordings.containers.sniff import ZSTD_MAGIC
 from flatgrasp_cli.sources.idle_options import idle_options
 from flatgrasp_cli.sources.pcd_header import is_pcd
 from flatgrasp_cli.sources.pcd_ply import read_pcd, read_ply, read_polygons
@@ -32,6 +33,7 @@ IMAGES = (".png", ".tif", ".tiff", ".npy")
 ELSE: dict[bytes, str] = {
     b"\xff\xfe": "is text in UTF-16; save it as ASCII or UTF-8",
     b"\xfe\xff": "is text in UTF-16; save it as ASCII or UTF-8",
+    ZSTD_MAGIC: "is compressed with zstd, and is damaged or cut short where it begins, or holds no recording",
     b"\xff\xd8\xff": "is a JPEG picture, which cannot hold depth",
 }
 

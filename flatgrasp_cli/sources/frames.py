@@ -223,8 +223,7 @@ def _window(recording: Recording, selection: Selection) -> tuple[int | None, int
 def _why_none(recording: Recording, selection: Selection) -> str:
     start, end = _window(recording, selection)
     if recording.start_ns is None or recording.end_ns is None or (start is None and end is None):
-        problem = next(reversed(recording.problems.counts), "")
-        recording.problems.counts.pop(problem, None)  # the error says it
+        problem = recording.problems.taken()
         return f"could be read{problem and f': {problem}'}"
     words = [f"from {_seconds(start, recording)} s on"] if start else []
     words += [f"before {_seconds(end, recording)} s"] if end else []

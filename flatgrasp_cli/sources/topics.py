@@ -27,7 +27,7 @@ def choose_topic(recording: Recording, wanted: str | None, name: str) -> Topic:
         If it is not there, holds something else, or if there are several.
     """
     if not recording.topics:
-        problem = next(reversed(recording.problems.counts), "")  # the last one met is the nearest to the cause
+        problem = recording.problems.taken()
         raise SourceError(f"{name}: is a recording ({recording.container}) without topics{problem and f': {problem}'}")
     if wanted is not None:
         return _called(recording, wanted, name)
@@ -39,20 +39,33 @@ def choose_topic(recording: Recording, wanted: str | None, name: str) -> Topic:
         raise SourceError(f"{name}: several topics hold clouds; choose one with --topic{_listed(preferred)}")
     before = recording.problems.copy()
     lossy = next((topic.name for topic in recording.topics if _begins_with(recording, topic, is_lossy_depth)), None)
+    lost = [printable(topic.name) for topic in recording.topics if _may_be_depth(topic) and _is_lost(recording, topic)]
     recording.problems.reset(before)  # all that had been met already
     if lossy is not None:
         raise SourceError(f"{name}: the depth images on {printable(lossy)} are {LOSSY}")
-    raise SourceError(f"{name}: holds no point clouds and no depth images{_listed(recording.topics)}")
+    problem = recording.problems.taken()
+    if lost:
+        which = " or ".join(lost[:LISTED])
+        raise SourceError(f"{name}: no message on {which} could be read{problem and f': {problem}'}")
+    far = problem and f", as far as it can be read ({problem})"
+    raise SourceError(f"{name}: holds no point clouds and no depth images{far}{_listed(recording.topics)}")
 
 
 def depth_topics(recording: Recording) -> list[Topic]:
     """The image topics whose first message is a depth image by its encoding, and whose name does not say otherwise."""
-    return [
-        topic
-        for topic in recording.topics
-        if ("depth" in topic.name.lower() or NO_DEPTH.isdisjoint(re.split("[^a-z]+", topic.name.lower())))
-        and _begins_with(recording, topic, is_depth)
-    ]
+    return [topic for topic in recording.topics if _may_be_depth(topic) and _begins_with(recording, topic, is_depth)]
+
+
+def _may_be_depth(topic: Topic) -> bool:
+    """Whether it has images, and its name does not say that they are of something else."""
+    name = topic.name.lower()
+    return topic.type in IMAGE_TYPES and ("depth" in name or NO_DEPTH.isdisjoint(re.split("[^a-z]+", name)))
+
+
+def _is_lost(recording: Recording, topic: Topic) -> bool:
+    """Whether none of a topic's messages can be read, though it has some, or may have lost some."""
+    there = topic.count if topic.count is not None else len(recording.problems.counts)
+    return there > 0 and next(recording.messages([topic.name]), None) is None
 
 
 def _begins_with(recording: Recording, topic: Topic, kind: Callable[[Any], bool]) -> bool:

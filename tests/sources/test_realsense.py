@@ -100,7 +100,7 @@ def test_a_unit_that_nobody_tells_is_hinted_at_until_it_is_stated(tmp_path: Path
 def test_bytes_after_a_message_are_an_error_but_for_the_sdks(tmp_path: Path) -> None:
     for extra in (b"\0", bytes(3), bytes(5), bytes(8)):
         path = sdk_bag(tmp_path / f"{len(extra)}.bag", 1e-4, [raw_image(extra)])
-        with pytest.raises(SourceError, match="no depth images"):
+        with pytest.raises(SourceError, match=r"no message on .* could be read: .* size mismatch"):
             clouds(path)
         (problem,) = summarize(str(path)).problems
         assert problem.endswith("could not be decoded (ROS1 message size mismatch for 'sensor_msgs/msg/Image'.)")

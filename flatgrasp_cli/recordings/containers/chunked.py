@@ -104,8 +104,8 @@ class ChunkedRecording(ChannelRecording):
         return iter(sorted(messages, key=lambda raw: raw.stamp_ns))
 
     def read_at(self, offset: int, count: int) -> bytes:
-        """Bytes of the file, fewer where it ends."""
-        if offset >= self.size:  # a damaged index may point anywhere, even where no file can seek to
+        """Bytes of the file, fewer where it ends; none before its beginning, where the tail of a short one would be."""
+        if not 0 <= offset < self.size:  # a damaged index may point anywhere, even where no file can seek to
             return b""
         self.file.seek(offset)
         return self.file.read(max(0, min(count, self.size - offset)))

@@ -27,6 +27,8 @@ from flatgrasp_cli.recordings.containers.definitions import Channel, ros_type
 
 MAGIC = b"\x89MCAP0\r\n"
 FOOTER_BYTES = 9 + 20 + len(MAGIC)
+CHUNK_HEAD_BYTES = 32
+"""What a chunk has before the name of its compression: times, size, CRC, and that name's length."""
 MAX_RECORD_BYTES = 2**26
 """Largest schema, channel or index record that is read into memory."""
 _FAULTS: tuple[type[Exception], ...] = (*UNREADABLE, McapError)
@@ -137,9 +139,9 @@ class McapRecording(ChunkedRecording):
         """Take note of one record of the data section."""
         begin = record.offset - 9
         if record.opcode == Opcode.CHUNK:
-            times = self.read_at(record.offset, 16)
-            if len(times) == 16:
-                start_ns, end_ns = struct.unpack("<QQ", times)
+            head = self.read_at(record.offset, CHUNK_HEAD_BYTES)
+            if len(head) == CHUNK_HEAD_BYTES:  # of a shorter one nothing can be read
+                start_ns, end_ns = struct.unpack_from("<QQ", head)
                 self.chunks.append(Chunk(begin, start_ns, end_ns, counts=None))
         elif not whole:
             return
@@ -210,15 +212,16 @@ class McapRecording(ChunkedRecording):
 
     def _content(self, offset: int) -> memoryview:
         """The records of a chunk; nothing, and a problem, if it is corrupt; the beginning if the file is cut short."""
-        head = self.read_at(offset, 9 + 32)
+        head = self.read_at(offset, 9 + CHUNK_HEAD_BYTES)
         fault, content = "it is not there", memoryview(b"")
-        if len(head) == 41 and head[0] == Opcode.CHUNK:
+        if len(head) == 9 + CHUNK_HEAD_BYTES and head[0] == Opcode.CHUNK:
             length, _, _, size, crc, words = struct.unpack_from("<QQQQII", head, 1)
             kind = self.read_at(offset + 41, words).decode(errors="replace") if words < 100 else "?"
             data = offset + 41 + words + 8
             stored = int.from_bytes(self.read_at(data - 8, 8), "little")
             cut = self._is_cut(offset)
-            self._compressions.add(kind)
+            if data <= self.size:  # else its name may be cut short, too
+                self._compressions.add(kind)
             if min(size, stored) > MAX_CHUNK_BYTES or (stored > length and not cut):
                 fault = f"declares {max(size, stored)} bytes"
             else:

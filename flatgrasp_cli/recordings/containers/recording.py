@@ -70,6 +70,12 @@ class Problems:
             self.seen.add((what, at))
         self.counts[what] += 1
 
+    def taken(self) -> str:
+        """The last kind that was met, as it is the nearest to a cause, or ""; an error says it, so no warning need."""
+        last = next(reversed(self.counts), "")
+        self.counts.pop(last, None)
+        return last
+
     def reset(self, earlier: Problems) -> None:
         """Forget what was met since `earlier`, a copy: it is read once more, and must not be counted twice."""
         self.counts.clear()

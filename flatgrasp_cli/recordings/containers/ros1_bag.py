@@ -36,6 +36,8 @@ class Ros1Recording(ChunkedRecording):
     def take_stock(self, name: str) -> None:
         """Find connections and chunks by reading through the file."""
         magic = self.read_at(0, len(MAGIC))
+        if magic != MAGIC and MAGIC.startswith(magic):
+            raise SourceError(f"{name}: is a ROS bag that is truncated in its first line, at byte {self.size}")
         if magic != MAGIC:
             version = magic.decode(errors="replace").strip()
             raise SourceError(f"{name}: is a ROS bag of the format {version!r}, not 2.0; convert it with `rosbag fix`")
@@ -50,6 +52,8 @@ class Ros1Recording(ChunkedRecording):
                 f"truncated at byte {stopped}, before its index at byte {self._index}; what comes after is lost",
                 stopped,
             )
+        elif self.size == len(MAGIC):
+            self.problems.add(f"truncated at byte {self.size}, before its first record", self.size)
         self.learn()
         self.list_topics(sum((chunk.counts or Counter() for chunk in self.chunks), Counter[int]()))
         self.find_bounds()

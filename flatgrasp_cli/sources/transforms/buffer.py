@@ -10,12 +10,11 @@ from flatgrasp_cli.geometry.frames import Frame, axes_from_quaternion
 from flatgrasp_cli.model import CloudWarning
 from flatgrasp_cli.placing import Route
 from flatgrasp_cli.recordings.messages.decoded import frame_name
-from flatgrasp_cli.sources.transforms.links import Link, Links, When
+from flatgrasp_cli.sources.transforms.links import Link, Links
 from flatgrasp_cli.sources.transforms.routes import IDENTITY, REMEDY, Attempt, Chain, MissingTransform, decided
+from flatgrasp_cli.sources.transforms.runs import TOLERANCE_NS, When
 from flatgrasp_cli.sources.transforms.samples import Read, read_transforms
 
-TOLERANCE_NS = 100_000_000
-"""A transform counts as still (or already) true for so long after (before) its only neighbour in time."""
 LISTED_FRAMES = 20
 
 
@@ -25,7 +24,7 @@ class TransformBuffer:
 
     As in tf2 a frame has one parent, and the newest message says which. Where two messages contradict each other that
     hold at one time, though, the answer would depend on which came last: that is an error if both lead to the frame
-    wanted, and a warning if one does.
+    wanted, and a warning if one does. Where time jumps back, a frame gets what was logged nearest to it, and a warning.
     """
 
     tolerance_ns: int = TOLERANCE_NS
@@ -52,7 +51,7 @@ class TransformBuffer:
                 self._stretched[read.child] = read
             links = self._links.setdefault(read.child, Links())
             if not static:
-                links.add_moving(read.sample)
+                links.add_moving(read.sample.logged(logged_ns))
             elif not (only_new and read.parent in links.static):
                 links.add_static(read.sample.sent(logged_ns))
 
@@ -136,10 +135,16 @@ class TransformBuffer:
             f"{'earlier' if nearest.stamp_ns < when.stamp_ns else 'later'}, at {nearest.stamp_ns / 1e9:.3f} s"
         )
 
-    def _notes(self, used: Iterable[str]) -> list[CloudWarning]:
+    def _notes(self, used: Mapping[str, list[Link]]) -> list[CloudWarning]:
         """What was wrong with transforms of the frames that were used."""
         notes = []
-        for child in used:
+        for child, links in used.items():
+            for link in [link for link in links if link.back_ns][:1]:
+                text = (
+                    f"the time of the transform from {link.sample.parent} to {child} jumps back by "
+                    f"{link.back_ns / 1e9:.3f} s, and each frame got the one logged nearest to it; {REMEDY}"
+                )
+                notes.append(CloudWarning("transform_time_jump", text))
             if child in self._ignored:
                 notes.append(CloudWarning("transform_ignored", f"{_ignored(self._ignored[child])}; {REMEDY}"))
             if child in self._stretched:

@@ -82,6 +82,8 @@ def decided(
     """
     one, two = attempt.frame, other.frame
     names = " and in ".join(f"{link.sample.parent} ({'static' if link.static else 'moving'})" for link in links)
+    if links[0].sample.parent == links[1].sample.parent and links[0].static == links[1].static:
+        names = f"{links[0].sample.parent} (moving) in two ways"
     if one is not None and two is not None:
         if _agree(one, two):
             return attempt, None

@@ -15,30 +15,45 @@ NEARLY_PARALLEL = 0.9995
 """Cosine of half the angle between two rotations above which their arc is as good as straight."""
 LARGEST_M = 1e9
 """No two frames on Earth, or near it, are so far apart."""
+ROUNDING = 1e-6
+"""Metres or radians between two poses that are the same: what 32 bits are short of at 10 m."""
 UNIT_TOLERANCE = 1e-3
 """A quaternion whose length is 1 within this is only rounded."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sample:
-    """A child's pose in its parent: `translation` (3,), unit `quaternion` [x, y, z, w]."""
+    """A child's pose in its parent, and when it holds and was logged.
+
+    `translation` is (3,), the unit `quaternion` [x, y, z, w].
+    """
 
     stamp_ns: int
     parent: str
     translation: FloatArray
     quaternion: FloatArray
+    logged_ns: int = 0
+
+    @property
+    def lateness_ns(self) -> int:
+        """How long after its time it was logged."""
+        return self.logged_ns - self.stamp_ns
+
+    def logged(self, logged_ns: int) -> Sample:
+        """The same, with when it was logged."""
+        return replace(self, logged_ns=logged_ns)
 
     def sent(self, stamp_ns: int) -> Sample:
         """The same, stamped with when it was sent."""
         return replace(self, stamp_ns=stamp_ns)
 
     def same_as(self, other: Sample) -> bool:
-        """Whether it is the same pose in the same parent, at whatever time."""
-        return (
-            self.parent == other.parent
-            and np.array_equal(self.translation, other.translation)
-            and np.array_equal(self.quaternion, other.quaternion)
-        )
+        """Whether it is the same pose in the same parent but for rounding, at whatever time."""
+        return self.parent == other.parent and self.apart(other) <= ROUNDING
+
+    def apart(self, other: Sample) -> float:
+        """How far two poses in one parent are apart: metres and radians, summed."""
+        return float(apart(self.translation, self.quaternion, other.translation, other.quaternion))
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +103,19 @@ def _read(transform: Any) -> Read:
     length = float(np.abs(quaternion @ unit))
     fault = "its quaternion is not of length 1" if abs(length - 1.0) > UNIT_TOLERANCE else ""
     return Read(parent, child, Sample(stamp_ns(stamp) or 0, parent, translation, unit), fault)
+
+
+def apart(
+    translation: FloatArray, quaternion: FloatArray, other_translation: FloatArray, other_quaternion: FloatArray
+) -> FloatArray:
+    """How far poses are apart, (…): metres and radians, summed, from translations (…, 3) and quaternions (…, 4)."""
+    # q and −q are the same rotation; of small angles the length between unit quaternions is the half
+    turned = np.minimum(_length(quaternion - other_quaternion), _length(quaternion + other_quaternion))
+    return _length(translation - other_translation) + 2.0 * turned
+
+
+def _length(vectors: FloatArray) -> FloatArray:
+    return np.asarray(np.sqrt((vectors * vectors).sum(axis=-1)))
 
 
 def between(before: Sample, after: Sample, stamp_ns: int) -> Sample:
