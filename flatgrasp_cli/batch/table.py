@@ -41,7 +41,7 @@ def write_table(store: Store, inputs: Iterable[Input]) -> Path:
 def _rows(store: Store, item: Input) -> Iterator[Row]:
     for index, record in enumerate(store.records(item)):
         frame = {
-            "input": item.source,
+            "input": item.called,
             "frame": index,
             **{key: record[key] for key in ("stamp_ns", "topic", "frame_id", "points", "status", "reason")},
             "total_ms": record["timing_ms"]["total"],

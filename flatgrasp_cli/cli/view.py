@@ -15,6 +15,7 @@ from flatgrasp_cli.cli.defaults import context_of
 from flatgrasp_cli.cli.outputs import NO_GRASP, Names, Warnings, writing
 from flatgrasp_cli.cli.planning_options import planning_options
 from flatgrasp_cli.errors import UsageError
+from flatgrasp_cli.source_names import name_of
 from flatgrasp_cli.whole_files import write_text
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ def command(source: str, job: Job, out: Path | None) -> int:
     path = out or Path(f"{stem_of(source) if document else Names().of_source(source)}.html")
     watched = _Watched(_saved(source, job) if document else _planned(source, job))
     with writing(path):
-        write_text(path, page(watched, f"flatgrasp: {source}"))
+        write_text(path, page(watched, f"flatgrasp: {name_of(source)}"))
     click.echo(f"flatgrasp: wrote {path}", err=True)
     if out is None:
         _open_browser(path)
