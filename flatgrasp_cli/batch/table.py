@@ -77,6 +77,6 @@ def _write_parquet(path: Path, rows: Iterator[Row]) -> None:
 
     types = {**dict.fromkeys(TEXT, pa.string()), **dict.fromkeys(WHOLE, pa.int64())}
     schema = pa.schema([(name, types.get(name, pa.float64())) for name in COLUMNS])
-    with ParquetWriter(path, schema) as writer:
+    with path.open("wb") as out, ParquetWriter(out, schema) as writer:  # by itself it opens no path but one in UTF-8
         while some := list(islice(rows, ROWS_AT_ONCE)):
             writer.write_table(pa.Table.from_pylist(some, schema))

@@ -121,14 +121,19 @@ def _cores() -> int:
 
 
 def _listed(from_list: str | None) -> list[str]:
-    """The lines of a file or of standard input that are not empty."""
+    """The lines of a file or of standard input that are not empty; a path may have bytes that are no UTF-8."""
     if from_list is None:
         return []
+    if from_list == "-" and sys.stdin is None:
+        raise UsageError("--from-list -: standard input is closed")
     try:
-        text = sys.stdin.read() if from_list == "-" else Path(from_list).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+        content = sys.stdin.buffer.read() if from_list == "-" else Path(from_list).read_bytes()
+    except OSError as error:
         raise UsageError(f"--from-list {from_list}: cannot be read: {error}") from error
-    return [line.strip() for line in text.splitlines() if line.strip()]
+    if b"\0" in content:
+        raise UsageError(f"--from-list {from_list}: is no text in UTF-8 with a path or URL a line")
+    lines = content.decode("utf-8", "surrogateescape").split("\n")
+    return [line.strip() for line in lines if line.strip()]
 
 
 def _conclude(job: Job, store: Store, inputs: list[Input]) -> None:
