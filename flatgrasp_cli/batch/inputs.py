@@ -12,7 +12,7 @@ from pathlib import Path, PurePosixPath
 
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.recordings.containers import is_recording
-from flatgrasp_cli.source_names import name_of
+from flatgrasp_cli.source_names import in_utf8, name_of
 from flatgrasp_cli.sources.files import SUFFIXES as CLOUDS
 from flatgrasp_cli.sources.remote import is_url, list_url, url_state
 
@@ -67,7 +67,7 @@ def fingerprint(source: str) -> str:
             if file.is_file():
                 state = file.stat()
                 digest.update(
-                    f"{name_of(str(file.relative_to(path)))}\0{state.st_size}\0{state.st_mtime_ns}\0".encode()
+                    f"{in_utf8(str(file.relative_to(path)))}\0{state.st_size}\0{state.st_mtime_ns}\0".encode()
                 )
                 with file.open("rb") as content:
                     digest.update(content.read(SAMPLE_BYTES))

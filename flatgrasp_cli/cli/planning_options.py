@@ -12,12 +12,12 @@ from flatgrasp_cli.cli.completion import complete_profile
 from flatgrasp_cli.cli.defaults import config_option, option
 from flatgrasp_cli.cli.image_options import IMAGE_OPTIONS, positive
 from flatgrasp_cli.cli.jobs import job_of
-from flatgrasp_cli.source_names import name_of
+from flatgrasp_cli.source_names import in_utf8
 
 
 def _text(_context: click.Context, _parameter: click.Parameter, value: str | None) -> str | None:
     """Check that a name, which may come into documents, is text, for click."""
-    if value is not None and (called := name_of(value)) != value:
+    if value is not None and (called := in_utf8(value)) != value:
         raise click.BadParameter(f"{called} is no text in UTF-8")
     return value
 
