@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack
@@ -174,6 +175,8 @@ def _cloud(decoded: Decoded, message: Message, source: Source, scale: float) -> 
         raise MessageError(f"its frame {frame_id} is no text in UTF-8")
     if viewpoint is None and not has_z_up(decoded.frame_id):
         viewpoint = np.zeros(3)  # a sensor publishes what it sees in a frame of its own
+    if viewpoint is not None and not math.isfinite(scale * float(np.abs(viewpoint).max())):
+        raise MessageError(f"its pose is not finite in units of {scale:g} m")
     return Cloud(
         points=decoded.points if scale == 1.0 else scale * decoded.points,
         viewpoint=None if viewpoint is None else scale * viewpoint,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import stat
 import sys
@@ -45,6 +46,8 @@ def read_clouds(
         If the source is missing, is no cloud, or contradicts its own header.
     UsageError
         If a depth image is given without its camera's intrinsics, or only a recording could say where a frame is.
+    ValueError
+        If the scale is no positive number.
     """
     given = os.fspath(source)
     with on_disk(given) as path:
@@ -68,6 +71,8 @@ def read_content(content: bytes, name: str, scale: float = 1.0, selection: Selec
 
 
 def _clouds(path: Path, name: str, scale: float, selection: Selection) -> Iterator[Cloud]:
+    if not 0 < scale < math.inf:  # false for NaN, too
+        raise ValueError(f"scale is how many metres a unit of the source has, a positive number, not {scale}")
     from flatgrasp_cli.recordings.containers import is_recording
     from flatgrasp_cli.sources.folders import folder_images, kind_of_folder
 
