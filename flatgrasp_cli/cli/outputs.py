@@ -15,7 +15,7 @@ from flatgrasp_cli.cli.console import show
 from flatgrasp_cli.cli.imports import import_figures
 from flatgrasp_cli.cli.progress import FrameProgress
 from flatgrasp_cli.errors import FigureError, SourceError, UsageError
-from flatgrasp_cli.source_names import STDIN, name_of
+from flatgrasp_cli.source_names import STDIN, in_utf8, name_of
 from flatgrasp_cli.whole_files import write_bytes, write_text
 
 if TYPE_CHECKING:
@@ -215,9 +215,11 @@ def say_written(paths: list[Path]) -> None:
     """Say on stderr which files were written."""
     if len(paths) > NAMED:
         folder = f"{paths[0].parent}/" if paths[0].parent != Path() else "the current folder"
-        click.echo(f"flatgrasp: wrote {len(paths)} files to {folder}: {paths[0].name} … {paths[-1].name}", err=True)
-    elif paths:
-        click.echo(f"flatgrasp: wrote {', '.join(map(str, paths))}", err=True)
+        said = f"{len(paths)} files to {folder}: {paths[0].name} … {paths[-1].name}"
+    else:
+        said = ", ".join(map(str, paths))
+    if paths:
+        click.echo(f"flatgrasp: wrote {in_utf8(said)}", err=True)
 
 
 @contextmanager

@@ -12,7 +12,7 @@ import click
 from click.core import ParameterSource
 
 from flatgrasp_cli.cli.defaults import context_of
-from flatgrasp_cli.cli.outputs import NO_GRASP, Names, Warnings, writing
+from flatgrasp_cli.cli.outputs import NO_GRASP, Names, Warnings, say_written, writing
 from flatgrasp_cli.cli.planning_options import planning_options
 from flatgrasp_cli.errors import UsageError
 from flatgrasp_cli.source_names import name_of
@@ -64,7 +64,7 @@ def command(source: str, job: Job, out: Path | None) -> int:
     watched = _Watched(_saved(source, job) if document else _planned(source, job))
     with writing(path):
         write_text(path, page(watched, f"flatgrasp: {name_of(source)}"))
-    click.echo(f"flatgrasp: wrote {path}", err=True)
+    say_written([path])
     if out is None:
         _open_browser(path)
     return NO_GRASP if watched.refused else 0
