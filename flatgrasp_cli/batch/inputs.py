@@ -12,6 +12,7 @@ from pathlib import Path, PurePosixPath
 
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.recordings.containers import is_recording
+from flatgrasp_cli.source_names import in_utf8, name_of
 from flatgrasp_cli.sources.files import SUFFIXES as CLOUDS
 from flatgrasp_cli.sources.remote import is_url, list_url, url_state
 
@@ -26,6 +27,11 @@ class Input:
 
     source: str
     name: str
+
+    @property
+    def called(self) -> str:
+        """What documents and messages call the source."""
+        return name_of(self.source)
 
 
 def find_inputs(arguments: Iterable[str]) -> list[Input]:
@@ -46,7 +52,7 @@ def find_inputs(arguments: Iterable[str]) -> list[Input]:
             seen = True
             found.setdefault(source, place)
         if not seen:
-            raise SourceError(f"{argument}: holds no clouds, meshes or recordings")
+            raise SourceError(f"{name_of(argument)}: holds no clouds, meshes or recordings")
     taken: set[str] = set()
     return [Input(source, _unique(_safe(place), taken)) for source, place in found.items()]
 
@@ -60,7 +66,9 @@ def fingerprint(source: str) -> str:
         for file in sorted(path.rglob("*")) if path.is_dir() else [path]:
             if file.is_file():
                 state = file.stat()
-                digest.update(f"{file.relative_to(path)}\0{state.st_size}\0{state.st_mtime_ns}\0".encode())
+                digest.update(
+                    f"{in_utf8(str(file.relative_to(path)))}\0{state.st_size}\0{state.st_mtime_ns}\0".encode()
+                )
                 with file.open("rb") as content:
                     digest.update(content.read(SAMPLE_BYTES))
                     content.seek(-min(state.st_size, SAMPLE_BYTES), os.SEEK_END)

@@ -29,4 +29,4 @@ def write_pages(job: Job, store: Store, inputs: Iterable[Input], found: Iterable
             if index in wanted
         )
         if wanted:
-            write_text(store.path(page_of(item.name)), page(frames, f"flatgrasp: {item.source}"))
+            write_text(store.path(page_of(item.name)), page(frames, f"flatgrasp: {item.called}"))

@@ -18,6 +18,7 @@ from flatgrasp_cli.batch.sketch import sketch
 from flatgrasp_cli.batch.summary import NO_OBJECT, InputSummary
 from flatgrasp_cli.batch.words import in_words, object_in_words
 from flatgrasp_cli.profiles import Gripper, load_settings
+from flatgrasp_cli.source_names import name_of
 from flatgrasp_cli.sources.remote import is_url
 
 STYLE = """
@@ -191,12 +192,12 @@ def _source(source: str, folder: Path) -> str:
     try:
         place = Path(os.path.relpath(source, folder)).as_posix()
     except ValueError:  # on another drive
-        return escape(source)
-    return _link(place, source)
+        return escape(name_of(source))
+    return _link(place, name_of(source))
 
 
 def _link(path: str, words: str) -> str:
-    return f'<a href="./{escape(quote(path))}">{escape(words)}</a>'
+    return f'<a href="./{escape(quote(os.fsencode(path)))}">{escape(words)}</a>'
 
 
 def _times(inputs: list[InputSummary]) -> str:

@@ -66,7 +66,7 @@ class _Batch:
                 self._count(state, announce=False)
                 continue
             if self.store.state(item) is not None:
-                self.progress.say(f"{item.source}: has changed or failed before, and is planned again")
+                self.progress.say(f"{item.called}: has changed or failed before, and is planned again")
             slices = slices_of(item, self.job.selection)
             todo = [piece for piece in slices if not self.store.has_part(item, piece.index, mark)]
             self.open[item] = _Open(mark, len(slices), len(todo))
@@ -97,7 +97,7 @@ class _Batch:
         if self.tries[key] < TRIES:
             self.again.append(piece)
         else:
-            self.keep(Done(piece, [], [], f"{piece.input.source}: cannot be planned, given up: {reason}"))
+            self.keep(Done(piece, [], [], f"{piece.input.called}: cannot be planned, given up: {reason}"))
 
     def _finish(self, item: Input) -> None:
         state = self.store.finish(item, self.open.pop(item).slices)

@@ -202,7 +202,7 @@ class Store:
 
 
 def _sources(inputs: Iterable[Input]) -> Iterator[str]:
-    return (f"{item.name}\t{item.source}\n" for item in inputs)
+    return (f"{item.name}\t{item.called}\n" for item in inputs)
 
 
 def _records(parts: Iterable[Path]) -> Iterator[str]:

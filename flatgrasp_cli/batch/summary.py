@@ -12,6 +12,7 @@ from typing import Any
 from flatgrasp_cli.batch.inputs import Input
 from flatgrasp_cli.batch.store import Store
 from flatgrasp_cli.results.contracts.batch import SCHEMA_ID, BatchDocument, InputPart
+from flatgrasp_cli.source_names import name_of
 
 STRIP = 12
 """Frames of an input that a report shows."""
@@ -42,7 +43,7 @@ class InputSummary:
     def part(self) -> InputPart:
         """For JSON: all but the records."""
         return InputPart(
-            source=self.source,
+            source=name_of(self.source),
             results=f"{self.name}.jsonl" if self.frames else None,
             frames=self.frames,
             grasped=self.grasped,

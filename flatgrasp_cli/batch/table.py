@@ -41,7 +41,7 @@ def write_table(store: Store, inputs: Iterable[Input]) -> Path:
 def _rows(store: Store, item: Input) -> Iterator[Row]:
     for index, record in enumerate(store.records(item)):
         frame = {
-            "input": item.source,
+            "input": item.called,
             "frame": index,
             **{key: record[key] for key in ("stamp_ns", "topic", "frame_id", "points", "status", "reason")},
             "total_ms": record["timing_ms"]["total"],
@@ -77,6 +77,6 @@ def _write_parquet(path: Path, rows: Iterator[Row]) -> None:
 
     types = {**dict.fromkeys(TEXT, pa.string()), **dict.fromkeys(WHOLE, pa.int64())}
     schema = pa.schema([(name, types.get(name, pa.float64())) for name in COLUMNS])
-    with ParquetWriter(path, schema) as writer:
+    with path.open("wb") as out, ParquetWriter(out, schema) as writer:  # by itself it opens no path but one in UTF-8
         while some := list(islice(rows, ROWS_AT_ONCE)):
             writer.write_table(pa.Table.from_pylist(some, schema))

@@ -53,7 +53,7 @@ def work(job: Job, piece: Slice, plots: bool) -> Done:
             for cloud, read_ms in mine.clouds(piece.input.source, colors=plots):
                 plan = mine.plan(cloud)
                 frames.append(_planned(plan, read_ms, plots))
-                lines = [f"{piece.input.source}: {warning.text}" for warning in plan.warnings]
+                lines = [f"{piece.input.called}: {warning.text}" for warning in plan.warnings]
                 warnings += [line for line in lines if line not in warnings]
         except NoFramesError as nothing:
             empty = str(nothing)

@@ -18,9 +18,11 @@ import click
 
 from flatgrasp_cli.cli.bag_options import BagFile, bag_options
 from flatgrasp_cli.cli.defaults import context_of
+from flatgrasp_cli.cli.outputs import say_written
 from flatgrasp_cli.cli.planning_options import planning_options
 from flatgrasp_cli.cli.progress import bar
 from flatgrasp_cli.errors import SourceError, UsageError
+from flatgrasp_cli.source_names import in_utf8
 
 if TYPE_CHECKING:
     from flatgrasp_cli.batch.inputs import Input
@@ -98,7 +100,7 @@ def command(
     if not quiet:
         click.echo(
             f"flatgrasp: {progress.frames - progress.frames_refused} of {progress.frames} frames with a grasp, "
-            f"{progress.inputs_failed} of {progress.inputs} inputs failed; see {out / 'report.html'}",
+            f"{progress.inputs_failed} of {progress.inputs} inputs failed; see {in_utf8(str(out / 'report.html'))}",
             err=True,
         )
     if progress.inputs_failed:
@@ -121,14 +123,19 @@ def _cores() -> int:
 
 
 def _listed(from_list: str | None) -> list[str]:
-    """The lines of a file or of standard input that are not empty."""
+    """The lines of a file or of standard input that are not empty; a path may have bytes that are no UTF-8."""
     if from_list is None:
         return []
+    if from_list == "-" and sys.stdin is None:
+        raise UsageError("--from-list -: standard input is closed")
     try:
-        text = sys.stdin.read() if from_list == "-" else Path(from_list).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+        content = sys.stdin.buffer.read() if from_list == "-" else Path(from_list).read_bytes()
+    except OSError as error:
         raise UsageError(f"--from-list {from_list}: cannot be read: {error}") from error
-    return [line.strip() for line in text.splitlines() if line.strip()]
+    if b"\0" in content:
+        raise UsageError(f"--from-list {from_list}: is no text in UTF-8 with a path or URL a line")
+    lines = content.decode("utf-8", "surrogateescape").split("\n")
+    return [line.strip() for line in lines if line.strip()]
 
 
 def _conclude(job: Job, store: Store, inputs: list[Input]) -> None:
@@ -160,8 +167,7 @@ def _fill(file: BagFile, job: Job, store: Store, inputs: list[Input]) -> None:
             return
         for frame in (frame for item in inputs for frame in frames_of(job, store, item)):
             bag.add(frame.document, frame.text, frame.cloud)
-    for path in file.written:
-        _say(f"wrote {path}")
+    say_written(file.written)
 
 
 @contextmanager

@@ -14,6 +14,7 @@ from flatgrasp_cli.cli.console import show
 from flatgrasp_cli.cli.defaults import context_of
 from flatgrasp_cli.cli.outputs import NO_GRASP, Names, Pictures, Warnings, say_refusal, say_written
 from flatgrasp_cli.cli.planning_options import planning_options
+from flatgrasp_cli.source_names import name_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -90,7 +91,7 @@ def _outlines(source: str, job: Job) -> Iterator[list[_Outline]]:
         yield [
             _Outline(
                 stem=stem,
-                source="stdin" if source == "-" else source,
+                source=name_of(source),
                 thing=None,
                 loops=read_polygon(source),
                 settings=caging.model_copy(update=exact),

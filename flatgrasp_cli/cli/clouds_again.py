@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from flatgrasp_cli.errors import FlatgraspError
+from flatgrasp_cli.source_names import path_of
 from flatgrasp_cli.sources.selection import Moment
 
 if TYPE_CHECKING:
@@ -55,9 +56,7 @@ class CloudsAgain:
 
         They begin at `start_ns`, or with the first; only then it is said why they cannot be read.
         """
-        job, source = self._job, document.source.path
-        beside = self._folder / Path(source).name
-        source = str(beside) if not Path(source).exists() and beside.exists() else source
+        job, source = self._job, self._place_of(document.source.path)
         try:
             job = replace(job, selection=replace(job.selection, topic=document.source.topic))
             first = next((cloud for cloud, _ in job.clouds(source)), None)
@@ -69,6 +68,12 @@ class CloudsAgain:
         except FlatgraspError as error:
             if start_ns is None:
                 self._warn(str(error).partition("\n")[0])
+
+    def _place_of(self, name: str) -> str:
+        """Where the source of that name is; the name itself if it is nowhere."""
+        paths = (name, path_of(name))
+        places = (*paths, *(str(self._folder / Path(path).name) for path in paths))
+        return next((place for place in places if Path(place).exists()), name)
 
     def _warn(self, text: str) -> None:
         if not self._told:

@@ -15,6 +15,7 @@ from flatgrasp_cli.cli.console import show
 from flatgrasp_cli.cli.imports import import_figures
 from flatgrasp_cli.cli.progress import FrameProgress
 from flatgrasp_cli.errors import FigureError, SourceError, UsageError
+from flatgrasp_cli.source_names import STDIN, in_utf8, name_of
 from flatgrasp_cli.whole_files import write_bytes, write_text
 
 if TYPE_CHECKING:
@@ -38,11 +39,11 @@ class Names:
 
     def of_source(self, source: str) -> str:
         """The stem of a source's name, made safe; further sources of that name are numbered."""
-        return self.unique("stdin" if source == "-" else _safe(source) or "cloud")
+        return self.unique(name_of(source) if source == STDIN else _safe(source) or "cloud")
 
     def of_frame(self, stem: str, cloud: Cloud, source: str) -> str:
         """The stem itself for a file with one cloud; else with the frame's time in seconds, or its own file's stem."""
-        if cloud.source.path not in (source, "stdin"):
+        if cloud.source.path != name_of(source):
             return self.unique(f"{stem}.{_safe(cloud.source.path)}")
         if cloud.source.topic is None or cloud.source.stamp_ns is None:
             return stem
@@ -106,8 +107,7 @@ class Warnings:
 
     def tell(self, plan: Plan, source: str) -> None:
         """Say the warnings of a plan that were not said of its source before."""
-        name = "stdin" if source == "-" else source
-        for line in (f"{name}: {warning.text}" for warning in plan.warnings):
+        for line in (f"{name_of(source)}: {warning.text}" for warning in plan.warnings):
             if line not in self._told:
                 self._told.add(line)
                 click.echo(f"flatgrasp: warning: {line}", err=True)
@@ -215,9 +215,11 @@ def say_written(paths: list[Path]) -> None:
     """Say on stderr which files were written."""
     if len(paths) > NAMED:
         folder = f"{paths[0].parent}/" if paths[0].parent != Path() else "the current folder"
-        click.echo(f"flatgrasp: wrote {len(paths)} files to {folder}: {paths[0].name} … {paths[-1].name}", err=True)
-    elif paths:
-        click.echo(f"flatgrasp: wrote {', '.join(map(str, paths))}", err=True)
+        said = f"{len(paths)} files to {folder}: {paths[0].name} … {paths[-1].name}"
+    else:
+        said = ", ".join(map(str, paths))
+    if paths:
+        click.echo(f"flatgrasp: wrote {in_utf8(said)}", err=True)
 
 
 @contextmanager

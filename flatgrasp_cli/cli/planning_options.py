@@ -12,6 +12,15 @@ from flatgrasp_cli.cli.completion import complete_profile
 from flatgrasp_cli.cli.defaults import config_option, option
 from flatgrasp_cli.cli.image_options import IMAGE_OPTIONS, positive
 from flatgrasp_cli.cli.jobs import job_of
+from flatgrasp_cli.source_names import in_utf8
+
+
+def _text(_context: click.Context, _parameter: click.Parameter, value: str | None) -> str | None:
+    """Check that a name, which may come into documents, is text, for click."""
+    if value is not None and (called := in_utf8(value)) != value:
+        raise click.BadParameter(f"{called} is no text in UTF-8")
+    return value
+
 
 METHOD_OPTIONS = (
     option(
@@ -92,6 +101,7 @@ OPTIONS = (
     ),
     option(
         "--sensor",
+        callback=_text,
         metavar="X,Y,Z|FRAME|above|none",
         help="Where the sensor was: a place in the frame of the answer, a frame of the recording, above, or in several "
         "places (merged clouds); else found, or assumed with a warning.",
@@ -112,11 +122,14 @@ OPTIONS = (
     ),
     option(
         "--base-frame",
+        callback=_text,
         metavar="NAME",
         help="Give all answers in this frame: that of the camera pose, or one of the recording's own; the robot's if "
         "there is one.",
     ),
-    option("--topic", metavar="NAME", help="Topic of a recording; the only one with clouds if not given."),
+    option(
+        "--topic", callback=_text, metavar="NAME", help="Topic of a recording; the only one with clouds if not given."
+    ),
     option("--start", metavar="TIME", help="From this time on: seconds from the start, or ISO 8601."),
     option("--end", metavar="TIME", help="Before this time."),
     option("--at", metavar="TIME", help="Only the first frame at or after this time."),

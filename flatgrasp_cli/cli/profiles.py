@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from flatgrasp_cli.errors import ProfileError
+from flatgrasp_cli.source_names import in_utf8
 
 KINDS = ("gripper", "robot", "planner")
 
@@ -57,7 +58,7 @@ def check_command(files: tuple[Path, ...]) -> int:
             problems = [f"{path}: {problem}" for problem in problems_in(path)]
         except ProfileError as error:
             problems = [str(error)]
-        click.echo("\n".join(problems) or f"{path}: ok", err=bool(problems))
+        click.echo("\n".join(problems) or f"{in_utf8(str(path))}: ok", err=bool(problems))
         code = ProfileError.exit_code if problems else code
     return code
 
@@ -75,7 +76,7 @@ def from_urdf_command(file: Path) -> None:
     from flatgrasp_cli.sources.gripper_urdf import measured
 
     hand = measured(read_urdf(file))
-    click.echo(gripper_yaml(hand, file.name), nl=False)
+    click.echo(gripper_yaml(hand, in_utf8(file.name)), nl=False)
     if hand.palm is None:
         click.echo(
             f"flatgrasp: warning: {file}: nothing of it stands still, so how large the palm is, how far it is from the "

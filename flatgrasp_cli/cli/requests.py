@@ -32,7 +32,8 @@ class RequestOptions:
         given = overrides(context, shortcuts(values), values["given"])
         self._settings = tuple(each.text for each in given)
         self._values = {name: value for name, value in values.items() if name not in SHORTCUTS}
-        self._command = click.Command("request", params=[_bare(each) for each in _own(context, planning)])
+        self._options = {option_key(each): _bare(each) for each in _own(context, planning)}
+        self._command = click.Command("request", params=[*self._options.values()], add_help_option=False)
         self._kept = lru_cache(KEPT)(self._made)
 
     def job(self, options: Mapping[str, Any]) -> Job:
@@ -54,7 +55,8 @@ class RequestOptions:
 
     def _parsed(self, options: Mapping[str, Any]) -> dict[str, Any]:
         """The values that options say, by their parameters."""
-        arguments = [text for key, value in options.items() for text in _arguments(key, value)]
+        saying = {key: value for key, value in options.items() if value is not None and value is not False}
+        arguments = [text for key, value in saying.items() for text in _arguments(self._option(key), value)]
         try:
             context = self._command.make_context("request", arguments)
         except click.UsageError as error:
@@ -62,26 +64,37 @@ class RequestOptions:
         said = (name for name in context.params if context.get_parameter_source(name) is ParameterSource.COMMANDLINE)
         return {name: context.params[name] for name in said}
 
+    def _option(self, key: str) -> click.Option:
+        """The option of a key, which may have hyphens; nothing else becomes a word of a command line."""
+        from flatgrasp_cli.profiles.faults import suggestion
 
-def _own(context: click.Context, planning: frozenset[str]) -> Iterator[click.Parameter]:
+        name = key.replace("-", "_")
+        if name not in self._options:
+            word = f"--{key.replace('_', '-')}"
+            raise UsageError(f"options: {word}: no such option{suggestion(name, list(self._options))}")
+        return self._options[name]
+
+
+def _own(context: click.Context, planning: frozenset[str]) -> Iterator[click.Option]:
     """The options of a command that requests have, too."""
     for each in context.command.params:
-        if each.name in planning and option_key(each) not in OF_THE_PROCESS:
+        if isinstance(each, click.Option) and each.name in planning and option_key(each) not in OF_THE_PROCESS:
             yield each
 
 
-def _bare(option: click.Parameter) -> click.Parameter:
+def _bare(option: click.Option) -> click.Option:
     """An option that takes its value from nowhere but the arguments."""
     bare = copy(option)
     bare.envvar = None
     return bare
 
 
-def _arguments(key: str, value: Any) -> Iterator[str]:
-    """An option as it stands on a command line: `true` is a flag's, `null` and `false` are none."""
+def _arguments(option: click.Option, value: Any) -> Iterator[str]:
+    """An option as it stands on a command line; `true` is a flag's."""
+    key = option_key(option)
     word = f"--{key.replace('_', '-')}"
-    if value is None or value is False:
-        return
+    if value is True and not option.is_flag:
+        raise UsageError(f"options: {word}: wants a value")  # the next option would be taken for it
     if value is True:
         yield word
     elif key == SETTINGS:

@@ -12,9 +12,10 @@ import click
 from click.core import ParameterSource
 
 from flatgrasp_cli.cli.defaults import context_of
-from flatgrasp_cli.cli.outputs import NO_GRASP, Names, Warnings, writing
+from flatgrasp_cli.cli.outputs import NO_GRASP, Names, Warnings, say_written, writing
 from flatgrasp_cli.cli.planning_options import planning_options
 from flatgrasp_cli.errors import UsageError
+from flatgrasp_cli.source_names import name_of
 from flatgrasp_cli.whole_files import write_text
 
 if TYPE_CHECKING:
@@ -62,8 +63,8 @@ def command(source: str, job: Job, out: Path | None) -> int:
     path = out or Path(f"{stem_of(source) if document else Names().of_source(source)}.html")
     watched = _Watched(_saved(source, job) if document else _planned(source, job))
     with writing(path):
-        write_text(path, page(watched, f"flatgrasp: {source}"))
-    click.echo(f"flatgrasp: wrote {path}", err=True)
+        write_text(path, page(watched, f"flatgrasp: {name_of(source)}"))
+    say_written([path])
     if out is None:
         _open_browser(path)
     return NO_GRASP if watched.refused else 0

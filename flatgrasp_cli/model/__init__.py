@@ -11,14 +11,13 @@ from flatgrasp_cli.model.clouds import (
     Cloud,
     CloudWarning,
     ImageGrid,
-    KnownFrom,
-    Sensor,
     Source,
 )
 from flatgrasp_cli.model.grasps import Approach, Cage, Closure, Grasp, Reach, Success, Tolerance
 from flatgrasp_cli.model.plans import ObjectPlan, Rejection, Stage, Trace
 from flatgrasp_cli.model.poses import Pose, Poses, Way
 from flatgrasp_cli.model.scenes import Floor, ObjectCloud, Scene, SupportPlane
+from flatgrasp_cli.model.sensors import KnownFrom, Sensor
 from flatgrasp_cli.model.shapes import GravityCenter, OrientedBox, PlaneShape, Silhouette, StepPoints
 
 __all__ = [

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Literal
 
 import numpy as np
 
@@ -11,6 +10,7 @@ from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntA
 from flatgrasp_cli.geometry.frames import Frame
 from flatgrasp_cli.kernels.points import not_measured
 from flatgrasp_cli.model.measured import UNKNOWN, Measured
+from flatgrasp_cli.model.sensors import Sensor, place
 
 LARGEST_COORDINATE_M = 1e4
 """What lies farther from the origin than 10 km was not measured by anything that looks at objects."""
@@ -22,31 +22,6 @@ SENSOR_FROM_TF = "sensor_from_tf"
 """Code of the warning that holds only while the sensor is where the transforms have it."""
 UP_UNTOLD = "mesh_up_assumed"
 """Code of the warning that holds only while nobody says which way is up."""
-
-KnownFrom = Literal[
-    "option",
-    "projection",
-    "viewpoint",
-    "inverse_viewpoint",
-    "frame",
-    "transforms",
-    "visibility",
-    "up",
-    "assumed",
-    "all_sides",
-]
-"""How it is known where the sensor was.
-
-- `option`: somebody said so.
-- `projection`: the centre of projection of an organised cloud.
-- `viewpoint`, `inverse_viewpoint`: the pose in the file's header, or its inverse; the cloud can be seen from there.
-- `frame`: the cloud's own frame is the sensor's, by its name or because it is a depth image's.
-- `transforms`: the recording's transforms lead to the sensor's frame.
-- `visibility`: of several places the only one from which the cloud can have been seen.
-- `up`: only the way up is known, and the sensor is taken to have looked down.
-- `assumed`: nothing is known, and the sensor is taken to have been at the origin.
-- `all_sides`: a mesh, or clouds merged from several views; nothing was hidden.
-"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,36 +51,6 @@ class CloudWarning:
 
     code: str
     text: str
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Sensor:
-    """Where the sensor was that saw a cloud, in the cloud's frame, and how that is known.
-
-    `position` (3,) is None where it is not known; `direction` (3,), a unit vector, then points from the cloud toward
-    the sensor, if at least that is known. What was seen from all sides has neither hidden flanks nor shadows.
-    """
-
-    known_from: KnownFrom
-    position: FloatArray | None = None
-    direction: FloatArray | None = None
-
-    @property
-    def sees_all_sides(self) -> bool:
-        """Whether nothing was hidden: a mesh, or clouds merged from several views."""
-        return self.known_from == "all_sides"
-
-    def toward(self, place: FloatArray) -> FloatArray:
-        """The way (3,), of any length, from a place (3,) to the sensor."""
-        if self.position is not None:
-            return self.position - place
-        return np.zeros(3) if self.direction is None else self.direction
-
-    def in_frame(self, frame: Frame) -> Sensor:
-        """The same sensor in the frame in which the cloud's own frame has the pose `frame`."""
-        position = None if self.position is None else frame.to_world(self.position)
-        direction = None if self.direction is None else self.direction @ frame.axes
-        return Sensor(self.known_from, position, direction)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -139,7 +84,7 @@ class Cloud:
     Raises
     ------
     ValueError
-        If the points or the viewpoint have another shape, or the viewpoint is not finite.
+        If the points or a viewpoint have another shape, or a viewpoint is not finite.
     """
 
     points: FloatArray
@@ -173,8 +118,9 @@ class Cloud:
         if points.ndim != 2 or points.shape[1] != 3:
             raise ValueError(f"points of a cloud are an array (n, 3) or (height, width, 3), not {points.shape}")
         object.__setattr__(self, "points", points)
-        if self.viewpoint is not None:
-            object.__setattr__(self, "viewpoint", _place(self.viewpoint))
+        for name in ("viewpoint", "inverse_viewpoint"):
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, place(getattr(self, name), f"the {name} of a cloud"))
         if points is self.measured.points:
             return
         corners = np.empty((2, 3))
@@ -229,10 +175,3 @@ class Cloud:
     def warned(self, *warnings: CloudWarning) -> Cloud:
         """The cloud with further warnings, none of them twice."""
         return replace(self, warnings=tuple(dict.fromkeys((*self.warnings, *warnings)))) if warnings else self
-
-
-def _place(values: FloatArray) -> FloatArray:
-    place = np.asarray(values, dtype=np.float64)
-    if place.shape != (3,) or not np.isfinite(place).all():
-        raise ValueError(f"the viewpoint of a cloud is three finite numbers, not {values!r}")
-    return place

@@ -10,6 +10,7 @@ from flatgrasp_cli.errors import SourceError, UsageError
 from flatgrasp_cli.simulation.engine import EXTRA
 from flatgrasp_cli.simulation.solids import Mesh, volume
 from flatgrasp_cli.simulation.things import Thing, mesh_thing
+from flatgrasp_cli.source_names import in_utf8
 from flatgrasp_cli.sources.files import read_surface
 
 CONCAVITY = 0.05
@@ -32,20 +33,20 @@ def mesh_file_thing(path: str, scale: float = 1.0, mass_kg: float | None = None)
     UsageError
         If CoACD is not installed.
     """
-    file = Path(path)
-    places, triangles = read_surface(file, path, scale)
+    file, called = Path(path), in_utf8(path)
+    places, triangles = read_surface(file, called, scale)
     vertices, index = np.unique(places[triangles].reshape(-1, 3), axis=0, return_inverse=True)
     size = float(np.ptp(vertices, axis=0).max()) if len(vertices) else 0.0
     if not SMALLEST_M <= size <= LARGEST_M:
         raise SourceError(
-            f"{path}: is {size:.4g} m long; things of {SMALLEST_M} to {LARGEST_M:g} m are simulated; "
+            f"{called}: is {size:.4g} m long; things of {SMALLEST_M} to {LARGEST_M:g} m are simulated; "
             "--scale 0.001 says that its unit is the millimetre"
         )
     surface = Mesh(vertices, index.reshape(-1, 3))
     pieces = convex_pieces(surface)
     if not pieces:
-        raise SourceError(f"{path}: the mesh fills no volume, nothing could be gripped; is it a sheet?")
-    return mesh_thing(file.stem, surface, pieces, mass_kg)
+        raise SourceError(f"{called}: the mesh fills no volume, nothing could be gripped; is it a sheet?")
+    return mesh_thing(in_utf8(file.stem), surface, pieces, mass_kg)
 
 
 def convex_pieces(surface: Mesh) -> tuple[Mesh, ...]:

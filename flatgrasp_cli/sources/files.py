@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, BinaryIO, Literal
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.model import Cloud, Source
 from flatgrasp_cli.recordings.containers.sniff import ZSTD_MAGIC
+from flatgrasp_cli.source_names import in_utf8
 from flatgrasp_cli.sources.idle_options import idle_options
 from flatgrasp_cli.sources.pcd_header import is_pcd
 from flatgrasp_cli.sources.pcd_ply import read_pcd, read_ply, read_polygons
@@ -96,7 +97,8 @@ def _polygons(kind: Kind, file: BinaryIO, path: Path, name: str) -> Polygons:
     if kind == "PLY":
         return read_polygons(file, name)
     if kind == "glTF":  # its buffers may be files beside it, if it is no copy of a pipe
-        return read_gltf(file, name, path.parent if str(path) == name else None)
+        own = in_utf8(str(path)) == str(PurePath(name))
+        return read_gltf(file, name, path.parent if own else None)
     return {"STL": read_stl, "OBJ": read_obj, "OFF": read_off}[kind](file, name)
 
 

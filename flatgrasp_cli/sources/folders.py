@@ -9,6 +9,7 @@ from typing import Literal
 from flatgrasp_cli.errors import SourceError, UsageError
 from flatgrasp_cli.model import Cloud, Source
 from flatgrasp_cli.recordings.containers import is_recording
+from flatgrasp_cli.source_names import in_utf8
 from flatgrasp_cli.sources.files import IMAGES
 from flatgrasp_cli.sources.files import SUFFIXES as CLOUDS
 from flatgrasp_cli.sources.idle_options import idle_options
@@ -67,7 +68,7 @@ def folder_images(folder: Path, name: str, scale: float, selection: Selection) -
     reader = DepthFiles(selection, scale)
     idle = idle_options(selection, recorded=False, images=True)
     for index, image in enumerate(images[:: selection.every.frames][: selection.count]):
-        yield reader.read(image, Source(f"{name.rstrip('/')}/{image.name}", index=index)).warned(*idle)
+        yield reader.read(image, Source(f"{name.rstrip('/')}/{in_utf8(image.name)}", index=index)).warned(*idle)
 
 
 def _files(folder: Path) -> list[Path]:

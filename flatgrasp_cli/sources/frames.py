@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack
@@ -29,6 +30,7 @@ from flatgrasp_cli.recordings.messages import (
     unit_topic_for,
 )
 from flatgrasp_cli.sensor.frame_names import has_z_up, is_optical
+from flatgrasp_cli.source_names import in_utf8
 from flatgrasp_cli.sources.depth_unit import unit_warning
 from flatgrasp_cli.sources.idle_options import idle_options
 from flatgrasp_cli.sources.placement import Placement
@@ -169,8 +171,12 @@ def _images(
 def _cloud(decoded: Decoded, message: Message, source: Source, scale: float) -> Cloud:
     stamp_ns = message.stamp_ns if decoded.stamp_ns is None else decoded.stamp_ns
     viewpoint = decoded.viewpoint
+    if (frame_id := in_utf8(decoded.frame_id)) != decoded.frame_id:  # JSON has escapes for what no text can hold
+        raise MessageError(f"its frame {frame_id} is no text in UTF-8")
     if viewpoint is None and not has_z_up(decoded.frame_id):
         viewpoint = np.zeros(3)  # a sensor publishes what it sees in a frame of its own
+    if viewpoint is not None and not math.isfinite(scale * float(np.abs(viewpoint).max())):
+        raise MessageError(f"its pose is not finite in units of {scale:g} m")
     return Cloud(
         points=decoded.points if scale == 1.0 else scale * decoded.points,
         viewpoint=None if viewpoint is None else scale * viewpoint,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import stat
 import sys
@@ -13,10 +14,10 @@ from typing import IO, BinaryIO
 
 from flatgrasp_cli.errors import SourceError, UsageError
 from flatgrasp_cli.model import Cloud
+from flatgrasp_cli.source_names import STDIN, name_of
 from flatgrasp_cli.sources.remote import copy_url, is_url
 from flatgrasp_cli.sources.selection import EVERYTHING, Selection
 
-STDIN = "-"
 COPIED_AT_ONCE = 1 << 20
 MOST_SPOOLED = 4 << 30
 """Bytes of a pipe that are kept on disk: 4 GiB; one that never ends must not fill it."""
@@ -45,10 +46,12 @@ def read_clouds(
         If the source is missing, is no cloud, or contradicts its own header.
     UsageError
         If a depth image is given without its camera's intrinsics, or only a recording could say where a frame is.
+    ValueError
+        If the scale is no positive number.
     """
-    name = os.fspath(source)
-    with on_disk(name) as path:
-        yield from _clouds(path, "stdin" if name == STDIN else name, scale, selection)
+    given = os.fspath(source)
+    with on_disk(given) as path:
+        yield from _clouds(path, name_of(given), scale, selection)
 
 
 def read_content(content: bytes, name: str, scale: float = 1.0, selection: Selection = EVERYTHING) -> Iterator[Cloud]:
@@ -68,6 +71,8 @@ def read_content(content: bytes, name: str, scale: float = 1.0, selection: Selec
 
 
 def _clouds(path: Path, name: str, scale: float, selection: Selection) -> Iterator[Cloud]:
+    if not 0 < scale < math.inf:  # false for NaN, too
+        raise ValueError(f"scale is how many metres a unit of the source has, a positive number, not {scale}")
     from flatgrasp_cli.recordings.containers import is_recording
     from flatgrasp_cli.sources.folders import folder_images, kind_of_folder
 
@@ -101,7 +106,7 @@ def _only_cloud(path: Path, name: str, scale: float, selection: Selection) -> It
 
 
 @contextmanager
-def on_disk(name: str) -> Iterator[Path]:
+def on_disk(source: str) -> Iterator[Path]:
     """A seekable file: the source itself, or a temporary copy of standard input, of a pipe, or of what a URL names.
 
     Raises
@@ -109,16 +114,17 @@ def on_disk(name: str) -> Iterator[Path]:
     SourceError
         If there is none, it is a device, or a pipe does not end.
     """
+    name = name_of(source)
     with _reporting(name):
-        path = Path(name)
-        if name != STDIN and (path.is_file() or path.is_dir()):
+        path = Path(source)
+        if source != STDIN and (path.is_file() or path.is_dir()):
             yield path
             return
     with _spooled(name) as spool:
-        if is_url(name):
-            copy_url(name, spool)
+        if is_url(source):
+            copy_url(source, spool)
         else:
-            with _pipe(name) as pipe:
+            with _pipe(source) as pipe:
                 _copy(pipe, spool, name)
         spool.flush()
         yield Path(spool.name)
@@ -145,11 +151,15 @@ def _reporting(name: str) -> Iterator[None]:
 
 
 @contextmanager
-def _pipe(name: str) -> Iterator[BinaryIO]:
-    if name != STDIN:
-        if not stat.S_ISFIFO(Path(name).stat().st_mode):
-            raise SourceError(f"{name}: is a device and no file")
-        with Path(name).open("rb") as pipe:
+def _pipe(source: str) -> Iterator[BinaryIO]:
+    if source != STDIN:
+        try:
+            mode = Path(source).stat().st_mode
+        except ValueError as error:  # of a NUL, or of what no path is made of
+            raise SourceError(f"{name_of(source)!r}: is no path: {error}") from error
+        if not stat.S_ISFIFO(mode):
+            raise SourceError(f"{name_of(source)}: is a device and no file")
+        with Path(source).open("rb") as pipe:
             yield pipe
     elif sys.stdin is None:
         raise SourceError("stdin: is closed")
@@ -163,6 +173,5 @@ def _copy(pipe: BinaryIO, spool: IO[bytes], name: str) -> None:
     while part := pipe.read(COPIED_AT_ONCE):
         copied += len(part)
         if copied > MOST_SPOOLED:
-            which = "stdin" if name == STDIN else name
-            raise SourceError(f"{which}: does not end within {MOST_SPOOLED / 2**30:g} GiB; save it to a file first")
+            raise SourceError(f"{name}: does not end within {MOST_SPOOLED / 2**30:g} GiB; save it to a file first")
         spool.write(part)

@@ -53,7 +53,7 @@ def read_pcd(file: BinaryIO, name: str, scale: float = 1.0) -> Cloud:
     if more:
         cloud = cloud.warned(MORE_POINTS)
     pose = header.viewpoint_pose
-    if pose is None:
+    if pose is None or _too_far(pose.origin, scale):
         return cloud
     inverse = -pose.axes @ pose.origin
     return replace(cloud, viewpoint=scale * pose.origin, inverse_viewpoint=scale * inverse)
@@ -155,7 +155,12 @@ def _seen_by(camera: list[Column] | None, vertices: Sequence[FloatArray], name: 
     if len(image) == 2 and np.isfinite(image).all() and image.prod() == len(vertices[0]):
         shape = (int(image[0]), int(image[1]))
     cloud = _cloud(vertices, name, shape, scale)
-    return replace(cloud, viewpoint=scale * place) if place.any() and np.isfinite(place).all() else cloud
+    return replace(cloud, viewpoint=scale * place) if place.any() and not _too_far(place, scale) else cloud
+
+
+def _too_far(place: FloatArray, scale: float) -> bool:
+    """Whether a viewpoint (3,), in units of `scale` metres, is none: nothing that looks at objects is so far away."""
+    return not scale * float(np.abs(place).max()) <= LARGEST_COORDINATE_M  # true for NaN, too
 
 
 def _goes_on(file: BinaryIO, header: PlyHeader) -> bool:

@@ -16,6 +16,7 @@ from pydantic import Field, TypeAdapter, ValidationError
 from flatgrasp_cli.errors import SourceError
 from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.geometry.polygon import signed_area
+from flatgrasp_cli.source_names import STDIN, name_of
 
 SUFFIXES = (".json", ".csv", ".txt")
 MAX_BYTES = 10_000_000
@@ -41,7 +42,6 @@ NESTED = re.compile(rb"\s*\[\s*\[\s*\[")
 
 BEGINS = re.compile(rb"(\xef\xbb\xbf)?\s*(\[|([-+.\deE]+|[xX])\s*[,;])")
 """A list, or a line of CSV, be it the heading: no cloud and no mesh begins so."""
-STDIN = "-"
 
 
 def is_polygon(source: str) -> bool:
@@ -62,7 +62,7 @@ def read_polygon(source: str) -> tuple[FloatArray, ...]:
         or if it has too many corners, or coordinates too large or too small to reckon with.
     """
     content = _content(source)
-    source = "stdin" if source == STDIN else source
+    source = name_of(source)
     try:
         is_json = source.lower().endswith(".json") or content.lstrip().startswith(b"[")
         values = _from_json(content) if is_json else [_from_csv(content.decode("utf-8"))]

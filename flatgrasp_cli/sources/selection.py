@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from decimal import Decimal, InvalidOperation
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, get_args
 
 from flatgrasp_cli.errors import UsageError
 
@@ -18,6 +18,11 @@ DepthAxes = Literal["optical", "body"]
 NS = 1_000_000_000
 UNIX_S = 100_000_000
 """No recording is this many seconds long: a greater number is Unix time."""
+
+
+def _check_count(name: str, value: int | None) -> None:
+    if value is not None and (value < 1 or value != int(value)):
+        raise ValueError(f"{name} is a whole number, one or more, not {value}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,15 +39,26 @@ class Moment:
 
 @dataclass(frozen=True, slots=True)
 class Every:
-    """Every n-th frame, or the first in each period."""
+    """Every n-th frame, or the first in each period; `ValueError` if either is less than one."""
 
     frames: int = 1
     period_ns: int | None = None
 
+    def __post_init__(self) -> None:
+        """Check what was given."""
+        _check_count("frames", self.frames)
+        _check_count("period_ns", self.period_ns)
+
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """Which frames of a source are wanted, in which frame of reference, and what has to be said of them for that."""
+    """Which frames of a source are wanted, in which frame of reference, and what has to be said of them for that.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of its range, or `at` is given with what chooses other frames.
+    """
 
     topic: str | None = None
     """Of a recording; None: the only one with clouds."""
@@ -76,6 +92,16 @@ class Selection:
     typed: frozenset[str] = field(default=frozenset(), repr=False)
     """Which of these were typed for just these sources, by their options' names: of one that is nothing to a source
     there is a warning. Defaults from a file, and what a batch of all kinds of sources is given, are not meant so."""
+
+    def __post_init__(self) -> None:
+        """Check what was given."""
+        _check_count("count", self.count)
+        if self.at is not None and (self.start, self.end, self.every, self.count) != (None, None, Every(), None):
+            raise ValueError("at names one frame; leave out start, end, every and count")
+        if self.depth_unit_m is not None and not 0 < self.depth_unit_m <= 1:  # false for NaN, too
+            raise ValueError(f"depth_unit_m is metres in one count, more than 0 and at most 1, not {self.depth_unit_m}")
+        if self.depth_axes not in (None, *get_args(DepthAxes)):
+            raise ValueError(f"depth_axes are {' or '.join(get_args(DepthAxes))}, not {self.depth_axes!r}")
 
     @property
     def needs_transforms(self) -> bool:

@@ -13,10 +13,11 @@ from flatgrasp_cli.model import UNNAMED_FRAME, Cloud, Sensor
 from flatgrasp_cli.recordings.containers import Recording, Topic, is_recording, open_recording
 from flatgrasp_cli.recordings.messages import CLOUD_TYPES, MessageError
 from flatgrasp_cli.sensor import located
+from flatgrasp_cli.source_names import in_utf8, name_of
 from flatgrasp_cli.sources.files import kind_of_file, read_kind
 from flatgrasp_cli.sources.folders import folder_images, kind_of_folder
 from flatgrasp_cli.sources.frames import usable_frames
-from flatgrasp_cli.sources.open import STDIN, on_disk
+from flatgrasp_cli.sources.open import on_disk
 from flatgrasp_cli.sources.pcd_header import read_pcd_header
 from flatgrasp_cli.sources.selection import EVERYTHING, NS, Selection
 from flatgrasp_cli.sources.topics import depth_topics
@@ -87,7 +88,7 @@ def summarize(source: str, selection: Selection = EVERYTHING) -> Summary:
     SourceError
         If it cannot be read at all.
     """
-    name = "stdin" if source == STDIN else source
+    name = name_of(source)
     with on_disk(source) as path:
         if path.is_dir() and kind_of_folder(path, name) == "images":
             first = next(folder_images(path, name, 1.0, selection))
@@ -104,7 +105,7 @@ def summarize(source: str, selection: Selection = EVERYTHING) -> Summary:
                 start_ns=recording.start_ns,
                 end_ns=recording.end_ns,
                 topics=topics,
-                frames=tuple(sorted(frames)),
+                frames=tuple(sorted(map(in_utf8, frames))),
                 clouds=clouds,
                 problems=dict(recording.problems.counts),
             )

@@ -50,13 +50,18 @@ def test_a_request_beats_the_process_and_that_beats_variables(
 
 
 WRONG = {
-    "unknown": ({"griper": "pr2"}, "--gripper"),
+    "unknown": ({"griper": "pr2"}, "--griper: no such option; did you mean 'gripper'"),
+    "help": ({"help": True}, "--help: no such option"),
+    "no-word": ({"": True}, "--: no such option"),
+    "a-word-with-its-value": ({"top=3": True}, "--top=3: no such option"),
     "of-the-process": ({"config": "mine.yaml"}, "--config"),
     "not-of-planning": ({"listen": "127.0.0.1:1"}, "--listen"),
     "no-choice": ({"scene": "floor"}, "auto"),
     "no-number": ({"top": "many"}, "--top"),
     "no-flag": ({"strict": "yes"}, "--strict"),
-    "no-value": ({"gripper": True}, "--gripper"),
+    "no-value": ({"gripper": True}, "--gripper: wants a value"),
+    "no-value-before-another": ({"base_frame": True, "count": 1}, "--base-frame: wants a value"),
+    "no-text": ({"base_frame": "\ud800"}, "no text in UTF-8"),
     "an-object": ({"gripper": {"name": "pr2"}}, "gripper"),
     "profile": ({"gripper": "pr3"}, "did you mean 'pr2'"),
     "setting": ({"set": {"fingers": {"stepp_m": 1}}}, "did you mean 'step_m'"),

@@ -125,6 +125,23 @@ def test_moveit_goes_back_as_it_came_from_aslant() -> None:
     assert tips + way == pytest.approx(before, abs=EXACT)
 
 
+@pytest.mark.parametrize("stays", [("lift",), ("pre_grasp",), ("pre_grasp", "lift")])
+def test_moveit_has_a_direction_also_for_a_way_of_no_length(stays: tuple[str, ...]) -> None:
+    document = saved()
+    grasp = document.objects[0].grasps[0]
+    still = grasp.model_copy(update=dict.fromkeys(stays, grasp.pose))
+    item = document.objects[0].model_copy(update={"grasps": [still]})
+    (message,) = yaml.safe_load(exported("moveit", [document.model_copy(update={"objects": [item]})]))
+    retreat = message["post_grasp_retreat"]
+    vector = np.array([retreat["direction"]["vector"][axis] for axis in "xyz"])
+    assert np.linalg.norm(vector) == pytest.approx(1.0)
+    if "lift" in stays:
+        back = -Rotation.from_quat(grasp.pose.orientation).as_matrix()[:, 2]
+        assert retreat["desired_distance"] == 0.0
+        assert vector == pytest.approx(back, abs=EXACT)
+    assert (message["pre_grasp_approach"]["desired_distance"] == 0.0) == ("pre_grasp" in stays)
+
+
 def test_moveit_has_the_flange_turned_as_the_joint_angles_have_it() -> None:
     document = saved()
     straight = document.objects[0].grasps[0]

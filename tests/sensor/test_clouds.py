@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -60,6 +61,24 @@ class TestCloud:
         assert (len(cloud.points), cloud.dropped) == (10, 2)
         assert cloud.points.max() == 30.0
         assert cloud.pixels is not None
+
+    @pytest.mark.parametrize(
+        ("sensor", "words"),
+        [
+            ({"known_from": "foo"}, "not 'foo'"),
+            ({"known_from": "option", "position": [0, np.nan, 0]}, "the position of a sensor is three finite numbers"),
+            ({"known_from": "option", "position": [0, 0]}, "the position of a sensor is three finite numbers"),
+            ({"known_from": "up", "direction": [0, 0, np.inf]}, "the direction of a sensor is three finite numbers"),
+            ({"known_from": "up", "direction": [0, 0, 0]}, "the direction of a sensor is a unit vector"),
+        ],
+    )
+    def test_a_sensor_that_is_none_is_refused(self, sensor: dict[str, Any], words: str) -> None:
+        with pytest.raises(ValueError, match=words):
+            Sensor(**sensor)
+
+    def test_the_other_viewpoint_is_checked_too(self) -> None:
+        with pytest.raises(ValueError, match="the inverse_viewpoint of a cloud is three finite numbers"):
+            Cloud(np.ones((4, 3)), inverse_viewpoint=np.array([0, 0, np.inf]))
 
     @pytest.mark.parametrize("viewpoint", [[0, 0], [0, 0, np.nan]])
     def test_a_viewpoint_that_is_none_is_refused(self, viewpoint: list[float]) -> None:

@@ -194,6 +194,10 @@ def test_a_mesh_file_is_grasped_and_points_are_none(run: Run) -> None:
     small = run("simulate", "brick.obj", "--scale", "1e-6")
     assert (small.code, "brick.obj: is 6e-05 m long; things of 0.005 to 1 m are simulated" in small.err) == (3, True)
     assert run("simulate", "brick.obj").code == 3
+    if sys.platform == "linux":  # elsewhere names are in UTF-8, or are not at all
+        Path("brick.obj").rename("br\udcefck.obj")
+        done = run("simulate", "br\udcefck.obj", "--scale", "0.001", "-g", "pr2", "--trials", "1", "--json")
+        assert json.loads(done.out)["object"] == r"br\xefck"
     Path("sheet.obj").write_text("o sheet\nv 0 0 0\nv 1 0 0\nv 0 1 0\n", encoding="utf-8")
     assert "sheet.obj: has no faces; a mesh is wanted" in run("simulate", "sheet.obj").err
 

@@ -85,7 +85,7 @@ def rosbag2(path: Path, points: NDArray[np.float32], layout: str, storage: Stora
     return path
 
 
-def json_mcap(path: Path, points: NDArray[np.float32], _layout: str) -> Path:
+def json_mcap(path: Path, points: NDArray[np.float32], _layout: str, **more: Any) -> Path:
     message = {
         "timestamp": {"sec": START_NS // 10**9, "nsec": 0},
         "frame_id": "camera",
@@ -99,7 +99,7 @@ def json_mcap(path: Path, points: NDArray[np.float32], _layout: str) -> Path:
         channel = writer.register_channel(
             POINTS, "json", writer.register_schema("foxglove.PointCloud", "jsonschema", b"{}")
         )
-        writer.add_message(channel, START_NS, json.dumps(message).encode(), START_NS)
+        writer.add_message(channel, START_NS, json.dumps(message | more).encode(), START_NS)
         writer.finish()  # type: ignore[no-untyped-call]
     return path
 

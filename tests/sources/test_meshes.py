@@ -149,6 +149,8 @@ def test_a_gltf_buffer_may_be_a_file_beside_it(tmp_path: Path) -> None:
     (tmp_path / "box one.bin").write_bytes(binary)
     (cloud,) = read_clouds(path)
     np.testing.assert_allclose(cloud.points, read(tmp_path, glb(document, binary)).points)
+    (same,) = read_clouds(f"{tmp_path}//./box.gltf")  # as shells and people complete it
+    np.testing.assert_array_equal(same.points, cloud.points)
 
 
 @pytest.mark.parametrize("name", ["ply", "stl", "stl-text", "obj", "off", "glb"])

@@ -17,7 +17,8 @@ from flatgrasp_cli.geometry.arrays import FloatArray
 from flatgrasp_cli.model import Cloud
 from flatgrasp_cli.profiles import Gripper
 from flatgrasp_cli.sensor import located
-from flatgrasp_cli.sources.selection import Every, Moment, parse_every, parse_moment
+from flatgrasp_cli.sources.selection import Every, Moment, Selection, parse_every, parse_moment
+from flatgrasp_cli.sources.summary import summarize
 from tests.conftest import MM, SAMPLES
 from tests.recordings.writing import (
     CLOUD_TYPE,
@@ -62,6 +63,45 @@ def test_round_trip(container: str, layout: str, pan: Cloud, answer: list[Any], 
 def test_round_trip_without_ros(pan: Cloud, answer: list[Any], pr2: Gripper, tmp_path: Path) -> None:
     (cloud,) = read_clouds(json_mcap(tmp_path / "pan.mcap", pan.points.astype(np.float32), "packed"))
     assert grasps(cloud, pr2) == answer
+
+
+HERE = {"orientation": {"x": 0, "y": 0, "z": 0, "w": 1}}
+UNUSABLE: dict[str, tuple[dict[str, Any], str]] = {
+    "frame": ({"frame_id": "cam\udcf6ra"}, r"its frame cam\\xf6ra is no text in UTF-8"),
+    "pose": ({"pose": {"position": {"x": 1e308, "y": 0, "z": 0}, **HERE}}, "its pose is not finite in units of 10 m"),
+}
+
+
+@pytest.mark.parametrize(("more", "words"), UNUSABLE.values(), ids=UNUSABLE)
+def test_what_json_can_hold_and_no_document_is_left_out(more: dict[str, Any], words: str, tmp_path: Path) -> None:
+    path = json_mcap(tmp_path / "odd.mcap", np.ones((4, 3), np.float32), "packed", **more)
+    with pytest.raises(SourceError, match=words):
+        list(read_clouds(path, scale=10.0))
+    assert all(name.isascii() for name in summarize(str(path)).frames)
+
+
+@pytest.mark.parametrize(
+    ("wanted", "words"),
+    [
+        ({"count": 0}, "count is a whole number, one or more, not 0"),
+        ({"count": 1.5}, "not 1.5"),
+        ({"at": Moment(0, absolute=False), "count": 1}, "at names one frame"),
+        ({"at": Moment(0, absolute=False), "every": Every(frames=2)}, "at names one frame"),
+        ({"depth_unit_m": -0.001}, "not -0.001"),
+        ({"depth_unit_m": np.nan}, "not nan"),
+        ({"depth_unit_m": 1.5}, "not 1.5"),
+        ({"depth_axes": "camera"}, "depth_axes are optical or body, not 'camera'"),
+    ],
+)
+def test_a_selection_that_the_command_line_refuses_is_none(wanted: dict[str, Any], words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        Selection(**wanted)
+
+
+@pytest.mark.parametrize("wanted", [{"frames": 0}, {"frames": 2.5}, {"period_ns": 0}])
+def test_every_is_one_or_more(wanted: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match=f"{next(iter(wanted))} is a whole number, one or more"):
+        Every(**wanted)
 
 
 def sensor_of(cloud: Cloud) -> FloatArray:

@@ -203,6 +203,25 @@ def test_scale_moves_the_viewpoint_too(tmp_path: Path) -> None:
     assert cloud.viewpoint == pytest.approx([0.0, 0.5, 1.0])
 
 
+@pytest.mark.parametrize("scale", [0.0, -1.0, np.nan, np.inf])
+def test_a_scale_that_is_no_positive_number_is_refused(scale: float, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=f"a positive number, not {scale}"):
+        read(tmp_path, pcd(table(XYZ)), scale=scale)
+
+
+@pytest.mark.parametrize("turn", ["1 0 0 0", "0.5 0.5 0.5 0.5"])
+@pytest.mark.parametrize("scale", [1.0, 10.0])
+def test_a_viewpoint_too_far_to_be_written_in_metres_is_none(turn: str, scale: float, tmp_path: Path) -> None:
+    cloud = read(tmp_path, pcd(table(XYZ), VIEWPOINT=f"1.7e308 1.7e308 1.7e308 {turn}"), scale=scale)
+    assert (cloud.viewpoint, cloud.inverse_viewpoint) == (None, None)
+
+
+@pytest.mark.parametrize("name", ["a\0b", "\ud800"])
+def test_what_no_path_is_made_of_is_said(name: str) -> None:
+    with pytest.raises(SourceError, match="is no path"):
+        next(read_clouds(name))
+
+
 NUMBERS = st.sampled_from(("i1", "u1", "<i2", "<u2", "<i4", "<u4", "<f4", "<f8"))
 NAMES = st.one_of(st.sampled_from((*SPECIAL, "_")), st.text(ascii_letters + "_", min_size=1, max_size=9))
 

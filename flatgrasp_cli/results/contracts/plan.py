@@ -16,7 +16,7 @@ class SourcePart(Part):
     """The frame that was planned on."""
 
     path: str
-    """The file or URL; `stdin` for standard input."""
+    """The file or URL, bytes of its name that are no UTF-8 as `\\xNN`; `stdin` for standard input."""
     topic: str | None
     """The recording's topic; null for a file with one cloud."""
     stamp_ns: int | None

@@ -15,6 +15,7 @@ import numpy as np
 import yaml
 
 from flatgrasp_cli.geometry.arrays import FloatArray
+from flatgrasp_cli.geometry.frames import axes_from_quaternion
 from flatgrasp_cli.profiles import Gripper
 from flatgrasp_cli.results.exports.hands import flange_of, joints_at
 from flatgrasp_cli.results.saved import SavedDocument, SavedGrasp
@@ -52,6 +53,7 @@ def _message(grasp: SavedGrasp, gripper: Gripper, header: dict[str, Any], name: 
     length_m, grip_m = float(np.linalg.norm(tips - before)), grasp.metrics.get("grip_m") or 0.0
     straight = np.allclose(np.cross(_direction(before - tips), _direction(after - tips)), 0.0, atol=ROUNDED)
     away = (after if straight else before) - tips
+    back = -axes_from_quaternion(grasp.pose.pose.orientation)[2]
     along_z = {"header": _header(None, FLANGE), "vector": _xyz(np.array([0.0, 0.0, 1.0]))}
     return {
         "id": name,
@@ -68,7 +70,10 @@ def _message(grasp: SavedGrasp, gripper: Gripper, header: dict[str, Any], name: 
         # straight at least while the fingers go down beside the object; MoveIt wants less than all of the way
         "pre_grasp_approach": _translation(along_z, length_m, grip_m if grip_m < length_m else 0.0),
         "post_grasp_retreat": _translation(
-            {"header": header, "vector": _xyz(_direction(away))}, float(np.linalg.norm(away)), 0.0
+            # the message has a direction and a distance apart: a lift of no length has a direction, too
+            {"header": header, "vector": _xyz(_direction(away) if away.any() else back)},
+            float(np.linalg.norm(away)),
+            0.0,
         ),
         "post_place_retreat": _translation(
             {"header": _header(None, FLANGE), "vector": _xyz(np.array([0.0, 0.0, -1.0]))}, length_m, 0.0
