@@ -78,8 +78,7 @@ def plan_object(
         rows = rows[: len(reaches)]
         item = _with_reach(item, robot, reaches)
     served = [k for k in rows if reaches[k].ok] if reaches else rows
-    whole_lists = LISTED * math.ceil(top / LISTED)
-    listed = differing(answer.grasps, served, settings.variety, whole_lists)
+    listed = differing(answer.grasps, served, settings.variety, LISTED * math.ceil(top / LISTED))
     refused = differing(answer.grasps, [k for k in rows if not reaches[k].ok] if reaches else [], settings.variety, top)
     chosen = [*listed, *refused]
     final = proved(finished(answer.of(chosen), gripper, settings), gripper, settings)
