@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry import polygon
@@ -50,9 +51,17 @@ def least_alpha_m(projected: FloatArray, settings: SilhouetteSettings, spacing_m
 
 
 def largest_share(projected: FloatArray, settings: SilhouetteSettings) -> float:
-    """Share of points (n, 2) that belong to their largest piece; gaps that missing pixels leave part no pieces."""
-    _, share = CellGrid(projected, max(STRAY_M, least_alpha_m(projected, settings))).largest_piece()
-    return share
+    """Share of points (n, 2) that belong to their largest piece; gaps that missing pixels leave part no pieces.
+
+    Neither do gaps between the lines of a scanner: it is 1 where the largest piece is a line, or has such gaps itself.
+    Pieces are told by twice α, so that lines which are pieces of theirs have gaps by α.
+    """
+    alpha_m = least_alpha_m(projected, settings)
+    member, share = CellGrid(projected, max(STRAY_M, 2 * alpha_m)).largest_piece()
+    piece = projected[member]
+    _, sides, _ = cv2.minAreaRect(piece.astype(np.float32))
+    dense_m, _ = _one_piece(piece, alpha_m, settings.min_coverage)
+    return share if min(sides) > alpha_m == dense_m else 1.0
 
 
 def without_strays(points: FloatArray, settings: SilhouetteSettings) -> FloatArray:

@@ -65,9 +65,8 @@ def _gaps_bridged(objects: Sequence[ObjectPlan], settings: PlannerSettings) -> t
     if not any(each.alpha_m > least_alpha_m(each.points, settings.silhouette) for each in alone):
         return ()
     text = (
-        "an object alone has gaps between its points, which its outline bridges as if nothing were missing but a few "
-        "pixels; if they are gaps between things: --crop to one of them, or leave the plane that they stand on in the "
-        "cloud"
+        "an object alone has gaps that are wider than most of its points are apart, and its outline bridges them; if "
+        "they are gaps between things: --crop to one of them, or leave the plane that they stand on in the cloud"
     )
     return (CloudWarning("gaps_bridged", text),)
 

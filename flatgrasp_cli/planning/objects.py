@@ -141,8 +141,8 @@ def _in_pieces(whole: Place, settings: SilhouetteSettings) -> Rejection | None:
     if share >= least:
         return None
     reason = (
-        f"the points lie in pieces farther than {1e3 * STRAY_M:.0f} mm apart: the largest has {100 * share:.0f} % of "
-        f"them, an object alone {100 * least:.0f} %"
+        f"the points lie in pieces more than about {1e3 * STRAY_M:.0f} mm apart: the largest has {100 * share:.0f} % "
+        f"of them, an object alone {100 * least:.0f} %"
     )
     return Rejection("silhouette", reason, share, least)
 

@@ -94,8 +94,8 @@ def _closures(
     ]
     if settings.caging.mass_kg is None or gripper.max_force_n is None:
         return closures
-    radius = 0.5 * grasps.touched_m.min(axis=1)
-    lift = lift_margins(grasps.gravity_distance, settings.caging.mass_kg, gripper.max_force_n, friction, radius)
+    radius, force_n = 0.5 * grasps.touched_m.min(axis=1), settings.uncertainty.figures.force_n
+    lift = lift_margins(grasps.gravity_distance, settings.caging.mass_kg, force_n, friction, radius)
     return [
         replace(closure, lift_weight=float(weight), lift_torque=float(torque) if np.isfinite(torque) else None)
         for closure, weight, torque in zip(closures, lift.weight, lift.torque, strict=True)

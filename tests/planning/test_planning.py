@@ -401,6 +401,14 @@ def test_no_hand_closes_on_the_air_between_things(gap_m: float, pr2: Gripper) ->
     assert abs(one.grasps[0].position[0]) == pytest.approx(0.5 * gap_m + 0.06, abs=30 * MM)
 
 
+@pytest.mark.parametrize("lines_m", [0.015, 0.02, 0.025, 0.03, 0.04])
+def test_lines_of_a_scanner_are_no_pieces(lines_m: float, pr2: Gripper) -> None:
+    """Points lie 2 mm apart along each, and the six nearest of a point are all of its own line."""
+    x, y = np.meshgrid(np.arange(-0.08, 0.081, lines_m), np.arange(-0.03, 0.03, 0.002))
+    points = np.column_stack([x.ravel(), y.ravel(), np.full(x.size, 0.7)])
+    assert plan(Cloud(points, np.zeros(3), Source("lines")), pr2).best is not None
+
+
 @pytest.mark.parametrize(("gap_m", "told"), [(0.0, False), (0.012, True)])
 def test_gaps_that_an_outline_bridges_are_told(gap_m: float, told: bool, pr2: Gripper) -> None:
     found = plan(two_tops(gap_m), pr2)

@@ -120,6 +120,33 @@ def test_samples_of_one_way_and_one_tick_are_one_publishers(aside: float, two: b
             assert (route.frame.origin[0], route.warnings) == (pytest.approx(stamp / S), ())
 
 
+def test_noise_of_one_publisher_under_a_slow_clock_is_no_second_one() -> None:
+    """It stands still, ten of its samples have one stamp, and noise goes there and back."""
+    buffer = TransformBuffer()
+    for k, noise in enumerate(np.random.default_rng(0).normal(0, 0.002, (200, 3))):
+        message = tf(transform("base", "camera", noise, stamp_ns=k // 10 * S // 10))
+        buffer.add(message, logged_ns=k * S // 100)
+    for stamp in range(2 * S // 10, 18 * S // 10, 70 * MS):
+        buffer.route("base", "camera", stamp)  # and no error
+
+
+def test_a_clock_that_goes_back_a_little_for_a_while_is_one_publishers() -> None:
+    """Its samples before and after that are one run, and the others lie in a gap of it."""
+    times = [(k * S // 50, k * S // 50 - (150 * MS if 100 <= k < 150 else 0)) for k in range(300)]
+    buffer = sent((logged, stamp, logged / S) for logged, stamp in times)
+    for logged, stamp in times[5:-5]:
+        assert codes(buffer.route("base", "camera", stamp, logged)) in ([], ["transform_time_jump"])
+
+
+def test_what_is_held_on_to_at_the_end_is_no_witness_against_what_moves() -> None:
+    """Two publishers that agree, one of which is late: its last sample is older than the other's."""
+    early = [(k * S // 50 + 10 * MS, k * S // 50, k / 50) for k in range(100)]
+    late = [(k * S // 50 + 155 * MS, k * S // 50 + 5 * MS, k / 50 + 0.005) for k in range(93)]
+    buffer = sent(sorted([*early, *late]))
+    for stamp in range(180 * S // 100, 198 * S // 100, 20 * MS):
+        buffer.route("base", "camera", stamp, stamp + 20 * MS)  # and no error
+
+
 def test_what_is_rounding() -> None:
     """Within ROUNDING, in metres and radians, a static transform is the same; of a quaternion the half angle counts."""
     half = 0.4e-6

@@ -9,6 +9,8 @@ from flatgrasp_cli.planning import Plan
 from flatgrasp_cli.results.remedies.words import down, up
 from flatgrasp_cli.scene import NO_OBJECT_AT, NO_PLANE, NOTHING_STANDS
 
+LEAST_COVERAGE = 0.01
+"""The least `silhouette.min_coverage` that settings may have."""
 OTHER_VIEW = "look from another side; if the cloud is merged from several views: --sensor none"
 
 
@@ -53,10 +55,10 @@ def one_piece(_plan: Plan, _item: ObjectPlan, rejection: Rejection) -> str | Non
     """Where an object alone is in pieces: they may be several things."""
     if rejection.value is None:
         return None
-    return (
-        "if they are several things: --crop to one of them, or leave the plane that they stand on in the cloud; "
-        f"if the largest is meant: --set silhouette.min_coverage={down(rejection.value)}"
-    )
+    remedy = "if they are several things: --crop to one of them, or leave the plane that they stand on in the cloud"
+    if rejection.value < LEAST_COVERAGE:
+        return remedy
+    return f"{remedy}; if the largest is meant: --set silhouette.min_coverage={down(rejection.value)}"
 
 
 def other_view(_plan: Plan, _item: ObjectPlan, _rejection: Rejection) -> str:

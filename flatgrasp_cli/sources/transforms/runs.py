@@ -21,6 +21,9 @@ go back by less are out of order: no other run begins, and none goes on beside a
 
 NEAR = 15
 """Samples before a time, and after it, in which two publishers are looked for; one may send ten times as often."""
+STEADY_SHARE = 0.5
+"""By what share of it the way between two publishers changes at most from one stamp to the next; noise makes it another
+one each time."""
 LONGEST_WAY = 1.5
 """A sample is on the way between two others, sensors' noise included, if that makes it longer by at most so much."""
 
@@ -102,10 +105,10 @@ class Run:
         sample, rival = _with_rival(self.samples[place], self.rivals)
         if place + 1 == len(self.samples):  # only those before it tell
             return place == 0 or self.samples[place - 1].stamp_ns not in self.rivals or self._goes_back(place - 1)
-        return any(
-            sample.apart(rival) + rival.apart(after) > LONGEST_WAY * sample.apart(after)
-            for after in _with_rival(self.samples[place + 1], self.rivals)
-        )
+        following = _with_rival(self.samples[place + 1], self.rivals)
+        if len(following) > 1 and not _as_far_apart((sample, rival), (following[0], following[1])):
+            return False  # noise: two publishers stay as far from each other
+        return any(sample.apart(rival) + rival.apart(after) > LONGEST_WAY * sample.apart(after) for after in following)
 
     def lateness_ns(self, stamp_ns: int) -> int:
         """How late the sample was that is the nearest to a time."""
@@ -117,8 +120,27 @@ class Run:
         return min(self.samples[max(0, after - 1) : after + 1], key=lambda sample: abs(sample.stamp_ns - stamp_ns))
 
     def is_beside(self, other: Run) -> bool:
-        """Whether both went on at the same time, as those of two publishers do."""
-        return min(self.ended_ns, other.ended_ns) - max(self.begun_ns, other.begun_ns) > TOLERANCE_NS
+        """Whether both went on at the same time, as those of two publishers do; not one within a gap of the other."""
+        if min(self.ended_ns, other.ended_ns) - max(self.begun_ns, other.begun_ns) <= TOLERANCE_NS:
+            return False
+        return self._has_logged_within(other) and other._has_logged_within(self)
+
+    def spans(self, stamp_ns: int) -> bool:
+        """Whether a time lies between two samples: else a pose is only held on to."""
+        return self.samples[0].stamp_ns <= stamp_ns <= self.samples[-1].stamp_ns
+
+    def _has_logged_within(self, other: Run) -> bool:
+        return any(other.begun_ns <= sample.logged_ns <= other.ended_ns for sample in self.samples)
+
+
+def _as_far_apart(pair: tuple[Sample, Sample], later: tuple[Sample, Sample]) -> bool:
+    """Whether two publishers, in whichever order, are about as far from each other, and the same way, as before."""
+    was, now = (two.translation - one.translation for one, two in (pair, later))
+    shift = min(abs(was - now).max(), abs(was + now).max())
+    apart_before, apart_after = (one.apart(two) for one, two in (pair, later))
+    return bool(
+        shift <= STEADY_SHARE * abs(was).max() and abs(apart_before - apart_after) <= STEADY_SHARE * apart_before
+    )
 
 
 def _with_rival(sample: Sample, rivals: Mapping[int, Sample]) -> list[Sample]:
@@ -149,6 +171,8 @@ def poses_at(runs: list[Run], when: When, tolerance_ns: int) -> tuple[Run, list[
     (chosen, poses), *others = found
     back_ns = 0 if near[0] is chosen or near[0].is_beside(chosen) else _back_ns(near[0], chosen)
     for run, further in others:
+        if chosen.spans(when.stamp_ns) and not run.spans(when.stamp_ns):
+            continue  # what is only held on to is no witness against what lies between two samples
         if run.is_beside(chosen):
             poses = [*poses, *further]
         elif not further[0].same_as(poses[0]):
