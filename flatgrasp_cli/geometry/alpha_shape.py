@@ -62,8 +62,9 @@ def alpha_region(points: FloatArray, alpha_m: float) -> Any:
     """The α-shape of `points` (n, 2), as a shapely polygon with holes: its largest piece, None without area."""
     import shapely
 
-    pixel_m = _pixel_m(points, alpha_m)
-    if _deepest_m(points, alpha_m) < pixel_m:
+    low, high = bounds_of(points)
+    pixel_m = _pixel_m(high - low, alpha_m)
+    if _deepest_m(high - low, alpha_m) < pixel_m:
         hull = shapely.convex_hull(shapely.MultiPoint(points))
         return hull if hull.geom_type == "Polygon" else None
     rings, outer = _rolled_around(points, alpha_m, pixel_m)
@@ -96,18 +97,15 @@ def _repaired(ring: FloatArray) -> Any:
     return found if found.is_valid else shapely.make_valid(found)
 
 
-def _pixel_m(points: FloatArray, alpha_m: float) -> float:
-    """Side of the pixels by which a disc rolls around `points` (n, 2), metres."""
-    low, high = bounds_of(points)
-    size = high - low
+def _pixel_m(size: FloatArray, alpha_m: float) -> float:
+    """Side of the pixels by which a disc rolls around points within a rectangle of `size` (2,), metres."""
     by_memory = np.sqrt(np.prod(size + 2 * MARGIN * alpha_m) / MAX_PIXELS)
     return max(min(alpha_m, float(np.hypot(*size))) / PIXELS_PER_ALPHA, float(by_memory))
 
 
-def _deepest_m(points: FloatArray, alpha_m: float) -> float:
-    """How deep, at most, a disc sinks in between two of the `points` (n, 2), metres."""
-    low, high = bounds_of(points)
-    half = 0.5 * float(np.hypot(*(high - low)))
+def _deepest_m(size: FloatArray, alpha_m: float) -> float:
+    """How deep, at most, a disc sinks in between two points within a rectangle of `size` (2,), metres."""
+    half = 0.5 * float(np.hypot(*size))
     return alpha_m if half >= alpha_m else alpha_m - float(np.sqrt(alpha_m**2 - half**2))
 
 

@@ -50,14 +50,16 @@ def least_alpha_m(projected: FloatArray, settings: SilhouetteSettings, spacing_m
     return settings.alpha_m or max(MIN_ALPHA_M, 2 * (spacing_m or spacing(projected)))
 
 
-def largest_share(projected: FloatArray, settings: SilhouetteSettings) -> float:
+def largest_share(projected: FloatArray, settings: SilhouetteSettings, spacing_m: float | None = None) -> float:
     """Share of points (n, 2) that belong to their largest piece; gaps that missing pixels leave part no pieces.
 
     Neither do gaps between the lines of a scanner: it is 1 where the largest piece is a line, or has such gaps itself.
     Pieces are told by twice α, so that lines which are pieces of theirs have gaps by α.
     """
-    alpha_m = least_alpha_m(projected, settings)
+    alpha_m = least_alpha_m(projected, settings, spacing_m)
     member, share = CellGrid(projected, max(STRAY_M, 2 * alpha_m)).largest_piece()
+    if share >= settings.min_coverage:
+        return share
     piece = projected[member]
     _, sides, _ = cv2.minAreaRect(piece.astype(np.float32))
     dense_m, _ = _one_piece(piece, alpha_m, settings.min_coverage)

@@ -19,10 +19,11 @@ def doubts(
     scene: Scene, objects: Sequence[ObjectPlan], best: Grasp | None, settings: PlannerSettings
 ) -> tuple[CloudWarning, ...]:
     """The warnings of what was planned of a scene, the `best` grasp of all of which comes first."""
+    spacings_m = [_spacing_m(item) for item in objects]
     return (
         *_approach_ignored(scene, settings),
-        *_sparse(objects, settings),
-        *_gaps_bridged(objects, settings),
+        *_sparse(objects, spacings_m, settings),
+        *_gaps_bridged(objects, spacings_m, settings),
         *_doubtful(best, scene, settings),
     )
 
@@ -44,13 +45,15 @@ def _approach_ignored(scene: Scene, settings: PlannerSettings) -> tuple[CloudWar
     return (CloudWarning("approach_ignored", text),)
 
 
-def _sparse(objects: Sequence[ObjectPlan], settings: PlannerSettings) -> tuple[CloudWarning, ...]:
+def _sparse(
+    objects: Sequence[ObjectPlan], spacings_m: Sequence[float], settings: PlannerSettings
+) -> tuple[CloudWarning, ...]:
     """The warning that points lie so far apart that edges are known less well than where the hand comes to stand.
 
     An edge is anywhere between the last point that it holds and the next one that it does not.
     """
     known_m = 2 * settings.uncertainty.figures.position_m
-    if not any(_spacing_m(item) > known_m for item in objects if item.grasps):
+    if not any(each_m > known_m for item, each_m in zip(objects, spacings_m, strict=True) if item.grasps):
         return ()
     text = (
         "points lie farther apart than twice uncertainty.position_m: objects may be wider than is said, and "
@@ -59,10 +62,15 @@ def _sparse(objects: Sequence[ObjectPlan], settings: PlannerSettings) -> tuple[C
     return (CloudWarning("sparse_cloud", text),)
 
 
-def _gaps_bridged(objects: Sequence[ObjectPlan], settings: PlannerSettings) -> tuple[CloudWarning, ...]:
+def _gaps_bridged(
+    objects: Sequence[ObjectPlan], spacings_m: Sequence[float], settings: PlannerSettings
+) -> tuple[CloudWarning, ...]:
     """The warning that the outline of an object alone is, in part, one of gaps between its points."""
-    alone = [item.silhouette for item in objects if item.object.support is None and item.silhouette is not None]
-    if not any(each.alpha_m > least_alpha_m(each.points, settings.silhouette) for each in alone):
+    if not any(
+        outline.alpha_m > least_alpha_m(outline.points, settings.silhouette, each_m)
+        for item, each_m in zip(objects, spacings_m, strict=True)
+        if item.object.support is None and (outline := item.silhouette) is not None
+    ):
         return ()
     text = (
         "an object alone has gaps that are wider than most of its points are apart, and its outline bridges them; if "

@@ -137,7 +137,8 @@ def _in_pieces(whole: Place, settings: SilhouetteSettings) -> Rejection | None:
     """Why points that lie apart in the main plane are no object alone: its outline would be one of air."""
     if whole.surroundings.level_m is not None:
         return None
-    share, least = largest_share(np.ascontiguousarray(whole.points[:, :2]), settings), settings.min_coverage
+    projected, least = np.ascontiguousarray(whole.points[:, :2]), settings.min_coverage
+    share = largest_share(projected, settings, whole.spacing_m)
     if share >= least:
         return None
     reason = (

@@ -9,13 +9,13 @@ import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
+from flatgrasp_cli.geometry.broad import broad_pieces
 from flatgrasp_cli.geometry.frames import Frame, frame_on_plane
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
 from flatgrasp_cli.geometry.hull import depths
 from flatgrasp_cli.geometry.raster import Raster
 from flatgrasp_cli.geometry.sampling import even_sample
 from flatgrasp_cli.geometry.scatter import deviation
-from flatgrasp_cli.kernels.flood import holding
 from flatgrasp_cli.kernels.rim import ends
 from flatgrasp_cli.kernels.windows import means, of_cells
 from flatgrasp_cli.model import Cloud, Floor, SupportPlane
@@ -143,10 +143,7 @@ def _broad(mask: BoolArray, cells: float) -> BoolArray:
     Shadows and things cut a table in pieces. What only crosses its plane, as a wall does, is narrow there.
     """
     bridged = cv2.dilate(mask.view(np.uint8), np.ones((3, 3), np.uint8))
-    width = 2 * round(0.5 * cells) + 1
-    count, labels = cv2.connectedComponents(bridged, connectivity=8)
-    core = cv2.erode(bridged, np.ones((width, width), np.uint8))
-    return np.asarray(holding(labels, core, count) & mask)
+    return np.asarray(broad_pieces(np.asarray(bridged), 2 * round(0.5 * cells) + 1) & mask)
 
 
 def _objects(

@@ -97,7 +97,9 @@ def places(cloud: ObjectCloud, box: OrientedBox, gripper: Gripper, settings: Pla
     A slice is made as it is asked for, and most objects are had well without one.
     """
     if cloud.support is None:
-        yield Place(box, box.frame, box.frame.to_local(cloud.points), Alone(settings))
+        local = box.frame.to_local(cloud.points)
+        spacing_m = spacing(np.ascontiguousarray(local[:, :2]))
+        yield Place(box=box, frame=box.frame, points=local, surroundings=Alone(settings), spacing_m=spacing_m)
     else:
         yield from _slices(cloud, box, cloud.support, gripper, settings)
 

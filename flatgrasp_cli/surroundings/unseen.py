@@ -12,8 +12,8 @@ import cv2
 import numpy as np
 
 from flatgrasp_cli.geometry.arrays import BoolArray, FloatArray, IntArray, true_entries
+from flatgrasp_cli.geometry.broad import broad_pieces
 from flatgrasp_cli.geometry.height_map import UNSEEN, HeightMap
-from flatgrasp_cli.kernels.flood import holding
 from flatgrasp_cli.surroundings.sight import FAR_M
 from flatgrasp_cli.surroundings.view import View
 from flatgrasp_cli.surroundings.walls import LEAST_SLOPE
@@ -108,10 +108,7 @@ def _is_broad(chart: HeightMap, places: FloatArray) -> BoolArray:
     """Which of the `places` (k, 2), a cell of the chart each, are part of an area of them as broad as `BROAD_M`."""
     area, cell = np.zeros(chart.raster.shape, dtype=np.uint8), chart.raster.cells(*places.T)
     area.reshape(-1)[cell] = 1
-    broad = int(BROAD_M / chart.cell_m) | 1  # an odd number of cells has a middle
-    count, labels = cv2.connectedComponents(area, connectivity=8)
-    core = cv2.erode(area, np.ones((broad, broad), np.uint8))
-    return np.asarray(holding(labels, core, count).take(cell))
+    return np.asarray(broad_pieces(area, int(BROAD_M / chart.cell_m) | 1).take(cell))
 
 
 def _columns(tops: FloatArray, cell_m: float) -> FloatArray:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flatgrasp_cli.sources.transforms import MissingTransform, TransformBuffer
-from tests.sources.test_transform_times import Sent, every_tenth, sent
+from tests.sources.test_transform_times import Sent, check_whether_two, every_tenth, sent
 from tests.sources.test_transforms import QUARTER_Z, S, tf, transform
 
 
@@ -42,11 +42,7 @@ def test_publishers_that_take_turns_contradict_each_other(every: int) -> None:
 def test_what_are_two_publishers(samples: list[Sent], two: bool) -> None:
     buffer = sent(samples)
     stamp = 20 * S // 100 + 1 if samples[1][0] == S // 100 else min(samples[-1][0], 10)
-    if two:
-        with pytest.raises(MissingTransform, match="in two ways"):
-            buffer.route("base", "camera", stamp)
-    else:
-        assert buffer.route("base", "camera", stamp).warnings == ()
+    check_whether_two(buffer, stamp, two=two)
 
 
 def test_publishers_that_turn_a_frame_differently_take_turns() -> None:

@@ -10,6 +10,8 @@ from flatgrasp_cli.profiles.base import Angle, Derived, Length, Profile, Share, 
 from flatgrasp_cli.profiles.gripper import Gripper
 
 Friction = Annotated[float, Field(ge=0.01, le=5)]
+LEAST_COVERAGE = 0.01
+"""An outline of less than a hundredth of the points is one of nothing."""
 
 
 class MainPlaneSettings(Profile):
@@ -24,7 +26,7 @@ class SilhouetteSettings(Profile):
 
     alpha_m: Step | None
     """Radius α of the hull's empty discs, metres; None: from the points' spacing."""
-    min_coverage: Annotated[float, Field(ge=0.01, le=1)]
+    min_coverage: Annotated[float, Field(ge=LEAST_COVERAGE, le=1)]
     """α grows until the largest piece holds this share of the points."""
     tolerance_m: Derived
     """How far the outline may be simplified (Douglas–Peucker), metres; null: half of `uncertainty.outline_m`."""

@@ -6,11 +6,10 @@ import math
 
 from flatgrasp_cli.model import ObjectPlan, Rejection
 from flatgrasp_cli.planning import Plan
+from flatgrasp_cli.profiles.settings.method import LEAST_COVERAGE
 from flatgrasp_cli.results.remedies.words import down, up
 from flatgrasp_cli.scene import NO_OBJECT_AT, NO_PLANE, NOTHING_STANDS
 
-LEAST_COVERAGE = 0.01
-"""The least `silhouette.min_coverage` that settings may have."""
 OTHER_VIEW = "look from another side; if the cloud is merged from several views: --sensor none"
 
 
